@@ -79,13 +79,21 @@ impl Model<'_> {
     /// angle of √ε to it.
     pub(super) fn dependence(&self, c: usize, holding: &Holding) -> Option<Vec<(usize, f64)>> {
         let Holding { contacts, factor } = holding;
+        let all = || contacts.iter().copied().chain([c]);
+        let along = all().flat_map(|c| self.contacts[c].direction.iter().map(|&(j, _)| j));
+        let mut coordinates: Vec<usize> = along.collect();
+        coordinates.sort_unstable();
+        coordinates.dedup();
         let mut parts = vec![0.0; contacts.len()];
         // The first solution, and corrections of its rounding errors.
         for _ in 0..3 {
-            let (rest, _) = self.remainder(c, contacts, &parts);
+            let rest = self.remainder(c, contacts, &parts, &coordinates);
             let pull = |&c: &usize| {
-                let responses = self.contacts[c].responses().iter();
-                let sum: f64 = responses.map(|&(j, x)| x * rest[j]).sum();
+                let product = |&(j, x): &(usize, f64)| {
+                    let place = coordinates.binary_search(&j);
+                    place.map_or(0.0, |place| x * rest[place].0)
+                };
+                let sum: f64 = self.contacts[c].responses().iter().map(product).sum();
                 sum * self.contacts[c].compliance.sqrt()
             };
             let mut correction: Vec<f64> = contacts.iter().map(pull).collect();
@@ -94,23 +102,34 @@ impl Model<'_> {
                 *part += correction / self.contacts[c].compliance.sqrt();
             }
         }
-        let (rest, sizes) = self.remainder(c, contacts, &parts);
-        let is_rounding = |(rest, size): (&f64, &f64)| rest.abs() <= ROUNDING * size;
-        let depends = std::iter::zip(&rest, &sizes).all(is_rounding);
+        let rest = self.remainder(c, contacts, &parts, &coordinates);
+        let depends = rest
+            .iter()
+            .all(|(rest, size)| rest.abs() <= ROUNDING * size);
         depends.then(|| std::iter::zip(contacts.iter().copied(), parts).collect())
     }
 
-    /// b − Σ α_c b_c, and the sum of the sizes of its terms, by coordinate.
-    fn remainder(&self, c: usize, contacts: &[usize], parts: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (mut rest, mut sizes) = (vec![0.0; self.len()], vec![0.0; self.len()]);
+    /// b − Σ α_c b_c, and the sum of the sizes of its terms, for each of the coordinates of these
+    /// contacts.
+    fn remainder(
+        &self,
+        c: usize,
+        contacts: &[usize],
+        parts: &[f64],
+        coordinates: &[usize],
+    ) -> Vec<(f64, f64)> {
+        let mut remainder = vec![(0.0, 0.0); coordinates.len()];
         let others = std::iter::zip(contacts, parts).map(|(&c, part)| (c, -part));
         for (c, part) in std::iter::once((c, 1.0)).chain(others) {
-            for &(j, b) in self.contacts[c].direction.iter() {
-                rest[j] += part * b;
-                sizes[j] += (part * b).abs();
+            for (j, b) in self.contacts[c].direction.iter() {
+                if let Ok(place) = coordinates.binary_search(j) {
+                    let (rest, size) = &mut remainder[place];
+                    *rest += part * b;
+                    *size += (part * b).abs();
+                }
             }
         }
-        (rest, sizes)
+        remainder
     }
 
     /// A coordinate for each of these contacts, which are at rest and whose directions are

@@ -34,13 +34,15 @@ pub(super) fn arrive_with_others(model: &Model<'_>, situation: &mut Situation, s
     if candidates.is_empty() {
         return;
     }
-    let holding = model.independent(resting, |_| 0.0);
+    // A direction depends on contacts that are connected with its own coordinates alone.
+    let connected = Connected::of(model, resting);
     let surface = |c: usize| series.contacts[c].surface[0];
     let size = |c: usize| {
         let along = model.contacts[c].size_along(|j| situation.coordinates[j].velocity);
         along + surface(c).abs()
     };
     let rests = |&c: &usize| {
+        let holding = model.independent(connected.around(model, c), |_| 0.0);
         let Some(parts) = model.dependence(c, &holding) else {
             return false;
         };
@@ -56,6 +58,57 @@ pub(super) fn arrive_with_others(model: &Model<'_>, situation: &mut Situation, s
         if let Phase::Slip { speed, .. } = &mut state.phase {
             (*speed, state.entry) = (0.0, Entry::Arrived(None));
         }
+    }
+}
+
+/// Contacts, grouped by the coordinates that they connect.
+struct Connected {
+    /// A coordinate of the same group, the same for all of them.
+    roots: Vec<usize>,
+    /// The contacts of a group, by that coordinate.
+    contacts: Vec<Vec<usize>>,
+}
+
+impl Connected {
+    fn of(model: &Model<'_>, contacts: Vec<usize>) -> Self {
+        let mut near: Vec<usize> = (0..model.len()).collect();
+        let root = |near: &mut [usize], mut j: usize| {
+            while near[j] != j {
+                near[j] = near[near[j]];
+                j = near[j];
+            }
+            j
+        };
+        for &c in &contacts {
+            let mut direction = model.contacts[c].direction.iter();
+            let Some(&(first, _)) = direction.next() else {
+                continue;
+            };
+            for &(j, _) in direction {
+                let [a, b] = [first, j].map(|j| root(&mut near, j));
+                near[a.max(b)] = a.min(b);
+            }
+        }
+        let mut groups = Self {
+            roots: (0..model.len()).map(|j| root(&mut near, j)).collect(),
+            contacts: vec![Vec::new(); model.len()],
+        };
+        for c in contacts {
+            if let Some(&(j, _)) = model.contacts[c].direction.first() {
+                groups.contacts[groups.roots[j]].push(c);
+            }
+        }
+        groups
+    }
+
+    /// The contacts of all groups to which coordinates of this contact belong.
+    fn around(&self, model: &Model<'_>, contact: usize) -> Vec<usize> {
+        let direction = model.contacts[contact].direction.iter();
+        let mut roots: Vec<usize> = direction.map(|&(j, _)| self.roots[j]).collect();
+        roots.sort_unstable();
+        roots.dedup();
+        let contacts = roots.iter().flat_map(|&root| &self.contacts[root]);
+        contacts.copied().collect()
     }
 }
 
