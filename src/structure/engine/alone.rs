@@ -33,21 +33,9 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let braking = dampers.iter();
     let braking = braking.map(|&(j, a)| a * coordinates[j].motion.velocity(0));
     let held = pull(springs, coordinates, 0) + braking.sum::<f64>();
-    let force = &coordinates[i].force;
     let mut given = PowerSeries::ZERO;
-    given[0] = side * (force[0] - held);
+    given[0] = side * (coordinates[i].force[0] - held);
     given[1] = -side * pull(springs, coordinates, 1) * INTEGRAL[1];
-    if model.is_driven[i] {
-        // The equation has a constant w: what w changes is given.
-        let surface = &contacts[c].surface;
-        let drag = |k: usize| damping * surface[k] + (k + 1) as f64 * surface[k + 1];
-        given[0] -= side * surface[1];
-        given[1] += side * (force[1] - drag(1)) * INTEGRAL[1];
-        for k in 2..ALL {
-            let way = surface[k - 1] * INTEGRAL[k - 1];
-            given[k] = side * (force[k] - drag(k) - spring * way) * INTEGRAL[k];
-        }
-    }
     let equation = Equation {
         stiffness: spring,
         damping,
@@ -80,8 +68,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         *series = PowerSeries::ZERO;
         series[0] = memory;
     }
-    let surface = of.surface;
-    coordinates[i].motion.follow(side, &found.speed, &surface);
+    coordinates[i].motion.follow(side, &found.speed);
     for j in 0..model.len() {
         let Role::Held(c) = coordinates[j].role else {
             continue;
@@ -94,19 +81,18 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         let (spring, damper) = (entry(model.stiffness.row(j)), entry(model.damping.row(j)));
         // From the series as it was found: a copy would have to be waited for.
         for k in 2..ALL {
-            let velocity = side * found.speed[k] + surface[k];
-            let displacement = (side * found.speed[k - 1] + surface[k - 1]) * INTEGRAL[k - 1];
+            let velocity = side * found.speed[k];
+            let displacement = side * found.speed[k - 1] * INTEGRAL[k - 1];
             carried[k] = -spring * displacement - damper * velocity;
         }
         let (spring, springs) = model.stiffness.row(j);
         let own = spring * coordinates[j].motion.displacement(1);
-        carried[1] =
-            -damper * (side * found.speed[1] + surface[1]) - own - pull(springs, coordinates, 1);
+        carried[1] = -damper * (side * found.speed[1]) - own - pull(springs, coordinates, 1);
     }
     true
 }
 
-/// The coordinate that slips under a constant load while all others are held, and its contact.
+/// The coordinate that slips under a constant load, without a drive, while all others are held, and its contact.
 pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
     let mut found = None;
     for (i, coordinate) in series.coordinates.iter().enumerate() {
@@ -115,7 +101,7 @@ pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 
         }
         let c = model.owner[i].filter(|_| found.is_none())?;
         let of = &series.contacts[c];
-        if of.mode != StepMode::Slip || of.load_varies {
+        if of.mode != StepMode::Slip || of.load_varies || model.is_driven[i] {
             return None;
         }
         found = Some([i, c]);

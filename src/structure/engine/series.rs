@@ -136,10 +136,10 @@ impl DisplacementSeries {
         self.newest = coefficient;
     }
 
-    /// Takes v = σy + w from coefficient 1 on.
-    pub(super) fn follow(&mut self, side: f64, speeds: &PowerSeries, surface: &PowerSeries) {
+    /// Takes v = σy + w for a constant w from the series of y, from coefficient 1 on.
+    pub(super) fn follow(&mut self, side: f64, speeds: &PowerSeries) {
         for k in 1..TERMS {
-            self.numbers[k + 1] = side * speeds[k] + surface[k];
+            self.numbers[k + 1] = side * speeds[k];
         }
         self.newest = self.numbers[TERMS];
     }
