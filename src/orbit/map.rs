@@ -61,9 +61,11 @@ pub struct PeriodMap {
 /// magnification by the motion. Rounding alone causes about 1e-15.
 pub(super) const CLOSED: f64 = 1e-11;
 
-/// Velocities below this number, in units of the displacement per period, are rounding errors of
-/// the displacement. There is a margin, because a motion is closed to 1e-11 only.
-const LEAST_VELOCITY: f64 = 1e-3;
+/// The least size of a velocity, in units of the displacement per period: a coordinate that
+/// passes 0 goes as far as its largest displacement and back within a period, so it is at least this
+/// fast. One that hardly moves beside its static displacement is slower, and its velocity has the
+/// rounding errors of that displacement.
+const LEAST_VELOCITY: f64 = 2.0;
 
 /// Displacements below this part of the largest displacement are rounding errors of 0, and
 /// velocities below this part of the largest velocity.
@@ -125,16 +127,15 @@ impl PeriodMap {
     }
 
     /// The factor by which the motion magnifies perturbations, at least 1: the largest derivative
-    /// of a displacement or velocity at the end. Displacements are measured in units of the largest
-    /// one; velocities in units of the largest one or, if more, of the largest displacement per
-    /// period, because a motion close to a constant one has velocities close to 0, but magnifies
-    /// nothing; memory variables in units of their own sizes. So the factor depends neither on the
-    /// units of the system nor on a memory that has decayed to 0.
+    /// of a displacement or velocity at the end. Displacements and velocities are measured in units
+    /// of the largest size of their kind, memory variables in units of their own sizes. So the
+    /// factor depends neither on the units of the system nor on a memory that has decayed to 0, and
+    /// a motion close to a constant one magnifies nothing.
     pub(super) fn growth(&self) -> f64 {
         let n = self.start.displacements.len();
         let mut sizes = self.sizes();
         let displacement = sizes.rows(0, n).amax();
-        let velocity = sizes.rows(n, n).amax().max(displacement / self.duration());
+        let velocity = sizes.rows(n, n).amax();
         sizes.rows_mut(0, n).fill(displacement);
         sizes.rows_mut(n, n).fill(velocity);
         let entries = (0..self.order()).flat_map(|j| (0..2 * n).map(move |i| (i, j)));
@@ -280,8 +281,8 @@ impl PeriodMap {
     }
 
     /// The largest size of each number of the state at the ends of steps, displacements without
-    /// their mean velocity; for a velocity at least [`LEAST_VELOCITY`] of its displacement over the
-    /// period, because the velocity of a mass that slides steadily is rounding only. A memory
+    /// their mean velocity; for a velocity at least [`LEAST_VELOCITY`] times its displacement over
+    /// the period, because near steady sliding a velocity is small or rounding only. A memory
     /// variable may be so small that it changes a friction coefficient by less than rounding,
     /// because it has decayed or is not used. Its size is the change that changes the coefficient
     /// by 1. Any other number that is 0, and a displacement or velocity that is a rounding error of
@@ -318,22 +319,25 @@ impl PeriodMap {
         sizes
     }
 
-    /// The extent of the displacements and of the velocities: their largest distances from the
-    /// start, in units of the sizes, at the ends and midpoints of steps.
-    pub(super) fn extents(&self, sizes: &DVector<f64>) -> [f64; 2] {
-        let start = vector(&self.start, self.order());
-        let states = self.steps.iter().flat_map(|step| {
+    /// The states at the ends and midpoints of steps, displacements without their mean velocity.
+    fn states(&self) -> impl Iterator<Item = DVector<f64>> {
+        self.steps.iter().flat_map(|step| {
             let since = 0.5 * step.duration();
             [
                 self.still(&step.state_at(since), step.start_time() + since),
                 self.still(&step.end_state(), step.end_time()),
             ]
-        });
-        states.fold([0.0; 2], |extents, state| {
-            let apart = state - &start;
-            let now = self.largest(&apart.component_div(sizes));
-            [0, 1].map(|i| f64::max(extents[i], now[i]))
         })
+    }
+
+    /// The extent of each number of the state: its largest distance from the start, at the ends and
+    /// midpoints of steps. It does not depend on where the motion lies, as the sizes do.
+    pub(super) fn extents(&self) -> DVector<f64> {
+        let start = vector(&self.start, self.order());
+        self.states()
+            .fold(DVector::zeros(self.order()), |extents, state| {
+                extents.sup(&(state - &start).abs())
+            })
     }
 
     /// The largest displacement and the largest velocity of a vector.

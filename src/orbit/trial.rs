@@ -35,7 +35,7 @@ impl TrialMotion {
     /// its numbers is in units of the sizes.
     pub(super) fn returns(&self, step: Option<&DVector<f64>>) -> bool {
         let sizes = self.map.sizes();
-        let away = self.map.extents(&sizes);
+        let away = self.map.largest(&self.map.extents().component_div(&sizes));
         let residual = self.map.residual().component_div(&sizes);
         std::iter::once(&residual).chain(step).all(|missed| {
             let missed = std::iter::zip(self.map.largest(missed), away);

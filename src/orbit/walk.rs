@@ -38,6 +38,14 @@ const STRAIGHT: f64 = 0.97;
 /// a point in a finite number of steps.
 const LEAST_SIZE: f64 = 0.01;
 
+/// A displacement or velocity counts in units of at most so many of its extents, so that a motion
+/// far from the origin of its coordinates is followed in steps of its own size.
+const MOST_EXTENTS: f64 = 8.0;
+
+/// An extent below this part of the size is no measure of a distance: Newton's method reaches such
+/// differences by rounding.
+const STILL: f64 = 1e-9;
+
 /// More Newton steps than this keep the next step along the curve from growing.
 const MANY_STEPS: usize = 5;
 
@@ -452,12 +460,19 @@ fn starts(solved: &Solved) -> Option<&[Mode]> {
 /// higher modes of a beam, change much from motion to motion and are not a good measure of the
 /// distance.
 pub(super) fn natural_scale(curve: &Curve<'_>, solved: &Solved) -> DVector<f64> {
-    let sizes = solved.trial.map.sizes();
+    let map = &solved.trial.map;
+    let (extents, sizes) = (map.extents(), map.sizes());
     let (n, unknowns, mobilities) = (curve.n, curve.unknowns(), &curve.mobilities);
     // Displacements, velocities and forces of the energy of the largest one.
     let of_kind = |first: usize, mobility: f64| {
-        let of = |j: usize| sizes[first + j] * (mobility / mobilities[j]);
-        (0..n).map(of).fold(0.0, f64::max)
+        let largest = |numbers: &DVector<f64>| {
+            let of = |j: usize| numbers[first + j] * (mobility / mobilities[j]);
+            (0..n).map(of).fold(0.0, f64::max)
+        };
+        match (largest(&sizes), largest(&extents)) {
+            (size, extent) if extent <= STILL * size => size,
+            (size, extent) => size.min(MOST_EXTENTS * extent),
+        }
     };
     DVector::from_fn(unknowns, |i, _| match i {
         i if i < n => of_kind(0, mobilities[i]),

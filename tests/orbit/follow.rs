@@ -691,3 +691,44 @@ fn a_chain_that_stands_still_under_a_drive_is_followed() {
         }
     }
 }
+
+/// Where a motion lies does not matter: under a constant force of up to 10⁴ extents its branch has
+/// the same points, and ends at the Hopf point to which it shrinks.
+#[test]
+fn a_branch_does_not_depend_on_the_static_displacement() {
+    // The Hopf point of steady sliding and the bifurcations above it, as in `vibration_ranges`.
+    const HOPF: f64 = 0.738_553_461_542_470_2;
+    let followed = |force: f64| {
+        let mass = |velocity: f64| -> Result<Structure, Error> {
+            let law = Exponential::new(0.4, 0.25, 0.5)?;
+            Structure::new(&[1.0])?
+                .with_ground_spring(0, 1.0)?
+                .with_ground_damper(0, 0.1)?
+                .with_force(0, Drive::constant(force))?
+                .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+        };
+        let start = State::new(&[force + 0.3], &[0.3]);
+        let orbit = orbit::settle(&mass(0.6).unwrap(), &start, 300.0, Period::Free(6.3)).unwrap();
+        orbit::follow(mass, 0.6, &orbit, 0.5..1.0).unwrap()
+    };
+    for force in [0.0, 1e2, 1e3, 1e4] {
+        let branch = followed(force);
+        println!(
+            "{force:e}: {} points, {:?}",
+            branch.points.len(),
+            branch.ends
+        );
+        let BranchEnd::Hopf { parameter } = branch.ends[1] else {
+            panic!("{force:e}: {:?}", branch.ends);
+        };
+        assert_abs_diff_eq!(parameter, HOPF, epsilon = 1e-9 + 1e-12 * force);
+        assert!(branch.points.len() < 200);
+        let [grazing, fold] = &branch.bifurcations[..] else {
+            panic!("{force:e}: {} bifurcations", branch.bifurcations.len());
+        };
+        let kinds = [grazing.kind, fold.kind];
+        assert_eq!(kinds, [BifurcationKind::Grazing, BifurcationKind::Fold]);
+        assert_abs_diff_eq!(grazing.parameter, 0.795_625_251_483, epsilon = 1e-10);
+        assert_abs_diff_eq!(fold.parameter, 0.819_099_550_916_72, epsilon = 1e-10);
+    }
+}
