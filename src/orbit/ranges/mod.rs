@@ -7,7 +7,7 @@ use std::ops::Range;
 
 pub use self::found::{Border, VibrationRange, VibrationRanges};
 use self::motions::{extent, is_on, is_one, is_same};
-use super::branch::{Bifurcation, Branch, BranchEnd};
+use super::branch::{Branch, BranchEnd};
 use super::classify::{Attractor, AttractorKind, kind_of};
 use super::found::Orbit;
 use super::hopf::{Crossing, SteadyAlong, steady_along};
@@ -214,16 +214,20 @@ impl Search<'_> {
         }));
         cuts.push((points.len(), end(&branch.ends[1], last.parameter), None));
         for pair in cuts.windows(2) {
-            let [(from, low, found), (to, high, _)] = &pair else {
+            let [(from, low, found), (to, high, next)] = &pair else {
                 continue;
             };
             let inside = &points[*from..*to];
-            let middle = 0.5 * (low.0 + high.0);
-            let attractor = match (inside.get(inside.len() / 2), found) {
-                (Some(point), _) => attracts(&point.orbit),
+            let motions: Vec<(f64, &Orbit<S>)> = if inside.is_empty() {
+                let ends = [found, next].into_iter().flatten();
+                ends.map(|found| (found.parameter, &found.orbit)).collect()
+            } else {
+                inside.iter().map(|p| (p.parameter, &p.orbit)).collect()
+            };
+            let attractor = match inside.get(inside.len() / 2) {
+                Some(point) => attracts(&point.orbit),
                 // Two bifurcations between neighbouring points.
-                (None, Some(found)) => self.between(family, found, middle),
-                (None, None) => None,
+                None => self.between(family, &motions, 0.5 * (low.0 + high.0)),
             };
             let Some(kind) = attractor else {
                 continue;
@@ -233,10 +237,6 @@ impl Search<'_> {
             } else {
                 (high, low)
             };
-            let mut motions: Vec<_> = inside.iter().map(|p| (p.parameter, &p.orbit)).collect();
-            if let (true, Some(found)) = (motions.is_empty(), found) {
-                motions.push((found.parameter, &found.orbit));
-            }
             stretches.push(Stretch {
                 kind,
                 parameters: low.0..high.0,
@@ -246,16 +246,22 @@ impl Search<'_> {
         }
     }
 
-    /// The attractor near a bifurcation, at another value of the parameter.
+    /// The attractor between the motions of neighbouring bifurcations: near a fold there
+    /// are two, and the one between is more like both ends.
     fn between<S: Oscillator>(
         &self,
         family: &impl Fn(f64) -> Result<S, Error>,
-        found: &Bifurcation<S>,
+        ends: &[(f64, &Orbit<S>)],
         parameter: f64,
     ) -> Option<AttractorKind> {
         let system = family(parameter).ok()?;
-        let orbit = self.shoot(&system, &found.orbit.state(), found.orbit.kind());
-        attracts(&orbit.ok()?)
+        let sizes = ends.iter().map(|end| extent(end.1)).sum::<f64>();
+        let off = |motion: &Orbit<S>| (extent(motion) - sizes / ends.len() as f64).abs();
+        let found = ends.iter().filter_map(|(_, end)| {
+            let motion = self.shoot(&system, &end.state(), end.kind());
+            motion.ok()
+        });
+        attracts(&found.min_by(|a, b| off(a).total_cmp(&off(b)))?)
     }
 
     /// The attractors of some stretches whose motions differ at a value of the parameter: branches
