@@ -55,8 +55,7 @@ impl<S: Oscillator> Orbit<S> {
         let properties = Properties::of(form, &found, kind)?;
         let energy = system.energy_budget(&found.map);
         let TrialMotion { period, map, .. } = found;
-        let state_at = |time: f64| map.vector_at(time);
-        let symmetric = HalfMap::of_symmetric(state_at, period, (form.len(), &map.sizes()));
+        let symmetric = HalfMap::of_symmetric(&map, period);
         let measures = Measures::of(form, (&map.steps, map.translation()), period, energy);
         let events = properties.events.into_iter().map(|event| Event {
             time: event.time,

@@ -368,6 +368,36 @@ impl PeriodMap {
         flow.cloned().into_iter().chain(boosts).collect()
     }
 
+    /// An orthonormal basis of the velocities that nothing depends on, in units of scales.
+    fn free_velocities(&self, scales: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let boosts = self.shifts(None).into_iter();
+        let boosts: Vec<_> = boosts.map(|boost| boost.component_div(scales)).collect();
+        (!boosts.is_empty()).then(|| DMatrix::from_columns(&boosts).qr().q())
+    }
+
+    /// A vector without its part along the velocities that nothing depends on.
+    pub(super) fn without_free_velocities(&self, vector: &DVector<f64>) -> DVector<f64> {
+        let sizes = self.sizes();
+        let mut scaled = vector.component_div(&sizes);
+        if let Some(basis) = self.free_velocities(&sizes) {
+            scaled -= &basis * basis.tr_mul(&scaled);
+        }
+        scaled.component_mul(&sizes)
+    }
+
+    /// The monodromy matrix in units of scales, with multipliers 0 for the velocities that nothing
+    /// depends on: ±1 there would hide the others.
+    pub(super) fn in_units(&self, scales: &DVector<f64>) -> DMatrix<f64> {
+        let order = self.order();
+        let mut matrix = DMatrix::from_fn(order, order, |i, j| {
+            self.monodromy[(i, j)] * (scales[j] / scales[i])
+        });
+        if let Some(basis) = self.free_velocities(scales) {
+            matrix -= &matrix * &basis * basis.transpose();
+        }
+        matrix
+    }
+
     /// Number of translations whose multiplier is 0 because the end is put back.
     fn free_translations(&self) -> usize {
         let translations = self.translations.iter();

@@ -165,9 +165,8 @@ fn other_branch(
     let (map, order, last) = (&here.trial.map, curve.order, curve.unknowns() - 1);
     let sizes = map.sizes();
     let (half, _) = curve.motion(&here.y, map.end_modes(), 0.5)?;
-    let symmetric = |time: f64| map.vector_at(time);
     let half_map = if is_symmetric {
-        let found = HalfMap::of_symmetric(symmetric, here.trial.period, (curve.n, &sizes));
+        let found = HalfMap::of_symmetric(map, here.trial.period);
         found.ok_or_else(|| lost(&here))?
     } else {
         HalfMap::of_doubled(order)

@@ -49,27 +49,24 @@ impl HalfMap {
         }
     }
 
-    /// The map of a symmetric motion, given by its states at times in [0, T], with n coordinates;
-    /// `None` if the motion is not symmetric.
-    pub(super) fn of_symmetric(
-        state_at: impl Fn(f64) -> Option<DVector<f64>>,
-        period: f64,
-        (n, sizes): (usize, &DVector<f64>),
-    ) -> Option<Self> {
+    /// The map of a symmetric motion, from its map over a period; `None` if it is not symmetric.
+    pub(super) fn of_symmetric(map: &PeriodMap, period: f64) -> Option<Self> {
+        let (n, sizes) = (map.start.displacements.len(), map.sizes());
         let pairs = (0..PLACES).map(|k| {
             let time = 0.5 * period * (k as f64 + 0.37) / PLACES as f64;
-            Some([state_at(time)?, state_at(time + 0.5 * period)?])
+            Some([map.vector_at(time)?, map.vector_at(time + 0.5 * period)?])
         });
         let pairs: Vec<[DVector<f64>; 2]> = pairs.collect::<Option<_>>()?;
         let [first, second] = pairs.first()?;
         let sums = first + second;
+        let bound = map.without_free_velocities(&sums);
         let (mut signs, mut shift) = (DVector::zeros(sums.len()), DVector::zeros(sums.len()));
         for i in 0..sums.len() {
             let is_small = |x: f64| x.abs() <= SYMMETRIC * sizes[i];
-            // A velocity has no mean value.
+            // A velocity has no mean value but one that nothing depends on.
             let is_velocity = (n..2 * n).contains(&i);
             let is_odd = pairs.iter().all(|[a, b]| is_small(a[i] + b[i] - sums[i]))
-                && (!is_velocity || is_small(sums[i]));
+                && (!is_velocity || is_small(bound[i]));
             let is_even = i >= 2 * n && pairs.iter().all(|[a, b]| is_small(a[i] - b[i]));
             signs[i] = match (is_odd, is_even) {
                 (true, _) => -1.0,
@@ -132,10 +129,7 @@ impl HalfMap {
 
 /// G' + 1, in units of the sizes.
 fn inverting(image: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64> {
-    let order = image.order();
-    DMatrix::from_fn(order, order, |i, j| {
-        image.monodromy[(i, j)] * (sizes[j] / sizes[i]) + f64::from(u8::from(i == j))
-    })
+    image.in_units(sizes) + DMatrix::identity(image.order(), image.order())
 }
 
 impl Balance {
@@ -174,8 +168,7 @@ impl LocalCurve<'_, '_> {
     pub(super) fn pitchfork(&self, from: &CurvePoint, to: &CurvePoint) -> Option<CurvePoint> {
         let ends = [from, to].map(|place| {
             let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
-            let state_at = |time: f64| map.vector_at(time);
-            let symmetric = HalfMap::of_symmetric(state_at, period, (self.curve.n, &map.sizes()));
+            let symmetric = HalfMap::of_symmetric(map, period);
             let y = &place.solved.y;
             let balance = self
                 .curve

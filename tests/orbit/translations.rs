@@ -2,7 +2,8 @@
 
 use stick_slip::nalgebra::{self, DMatrix, DVector};
 use stick_slip::orbit::{
-    self, BifurcationKind, BranchEnd, Orbit, Period, classify, follow, settle, shoot,
+    self, Bifurcation, BifurcationKind, BranchEnd, LocusKind, Orbit, Period, classify, follow,
+    orbit_sensitivities, settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, Exponential, Polynomial, Structure};
@@ -359,4 +360,128 @@ fn the_lyapunov_exponent_leaves_the_translation_out() {
         known < -0.01 && (found - known).abs() < 2e-3,
         "{found} {known}"
     );
+}
+
+/// A shaft of two equal inertias that nothing holds, driven at one end, and its twist alone: they
+/// have the same symmetric stick-slip.
+fn symmetric([frequency, torque]: [f64; 2], is_free: bool) -> Result<Structure, Error> {
+    let (system, contact, torque) = if is_free {
+        let shaft = Structure::new(&[2.0; 2])?
+            .with_spring(0, 1, 1.0)?
+            .with_damper(0, 1, 0.02)?;
+        let contact = Contact::between(0, 1, Coulomb::new(0.6, 0.3)?, 0.6)?;
+        (shaft, contact, 2.0 * torque)
+    } else {
+        let twist = Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.02)?;
+        let contact = Contact::new(0, Coulomb::new(0.6, 0.3)?, 0.6)?;
+        (twist, contact, torque)
+    };
+    system
+        .with_force(0, Drive::harmonic(torque, frequency, 0.0)?)?
+        .with_contact(contact)
+}
+
+/// A pitchfork of a motion that may be translated, and its curve over two parameters, are those of
+/// the twist.
+#[test]
+fn pitchforks_of_a_free_shaft_are_those_of_its_twist() {
+    const BEGIN: [f64; 2] = [0.36, 0.9];
+    let found = [true, false].map(|is_free| {
+        let family = |p: [f64; 2]| symmetric(p, is_free);
+        let over = |frequency: f64| family([frequency, BEGIN[1]]);
+        let system = over(BEGIN[0]).unwrap();
+        let start = State::at_rest(if is_free { 2 } else { 1 });
+        let orbit = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
+        assert!(orbit.is_symmetric(), "{orbit:?}");
+        let branch = follow(over, BEGIN[0], &orbit, BEGIN[0]..0.375).unwrap();
+        for found in &branch.bifurcations {
+            println!("{is_free} {:?} {}", found.kind, found.parameter);
+        }
+        let pitchfork: Vec<Bifurcation<Structure>> = branch
+            .bifurcations
+            .into_iter()
+            .filter(|found| found.kind == BifurcationKind::Pitchfork)
+            .collect();
+        let [pitchfork] = &pitchfork[..] else {
+            panic!("{} pitchforks", pitchfork.len());
+        };
+        let both = |frequency: f64, torque: f64| family([frequency, torque]);
+        let ranges = [0.3..0.5, 0.85..1.0];
+        let locus = orbit::locus(both, pitchfork, BEGIN[1], ranges).unwrap();
+        assert_eq!(locus.kind, LocusKind::Pitchfork);
+        assert!(locus.points.len() >= 3);
+        for point in &locus.points {
+            assert!(point.orbit.is_symmetric());
+            let multiplier = point.orbit.multipliers()[0];
+            assert!((multiplier - 1.0).norm() < 1e-10, "{multiplier}");
+        }
+        // The torques at the ends of the range are given: the frequencies there are to be found.
+        let ends = [0.85, 1.0].map(|torque| {
+            let mut points = locus.points.iter();
+            let end = points.find(|point| point.parameters[1] == torque);
+            let end = end.unwrap_or_else(|| panic!("{:?}", locus.ends));
+            end.parameters[0]
+        });
+        [pitchfork.parameter, ends[0], ends[1]]
+    });
+    println!("{found:?}");
+    for (free, twist) in std::iter::zip(found[0], found[1]) {
+        assert!((free - twist).abs() < 1e-11, "{free} {twist}");
+    }
+}
+
+/// The derivatives by parameters are those of the twist, or difference quotients.
+#[test]
+fn sensitivities_of_translated_motions_are_difference_quotients() {
+    // A driven shaft that also turns: its events are those of its twist, which does not turn.
+    let parameters = [0.4, 0.9];
+    let found = [true, false].map(|is_free| {
+        let family = |p: &[f64]| symmetric([p[0], p[1]], is_free);
+        let system = family(&parameters).unwrap();
+        let start = match is_free {
+            true => State::new(&[0.0; 2], &[3.0; 2]),
+            false => State::at_rest(1),
+        };
+        let orbit = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
+        if is_free {
+            assert!((orbit.mean_velocity(0) - 3.0).abs() < 1e-9);
+        }
+        orbit_sensitivities(family, &parameters, &orbit).unwrap()
+    });
+    let events = found.each_ref().map(|found| found.motion.events());
+    assert!(events[0].len() >= 4 && events[0].len() == events[1].len());
+    for (free, twist) in std::iter::zip(&events[0], &events[1]) {
+        assert_eq!(free.kind, twist.kind);
+        assert!((free.time - twist.time).abs() < 1e-10);
+        for (a, b) in std::iter::zip(&free.by_parameters, &twist.by_parameters) {
+            assert!((a - b).abs() < 1e-7 * (1.0 + b.abs()), "{a} {b}");
+        }
+    }
+    // An autonomous one: its period over the torque and the ground's velocity, on which a motion
+    // that is translated does not depend but for its friction.
+    let family = |p: &[f64]| string(3, p[0], p[1]);
+    let parameters = [10.6, 0.01];
+    let guess = turning(3, 10.6);
+    let shot = |p: &[f64]| {
+        let estimate = Period::Free(guess.period());
+        shoot(&family(p).unwrap(), &guess.state(), estimate).unwrap()
+    };
+    let found = orbit_sensitivities(family, &parameters, &shot(&parameters)).unwrap();
+    for j in 0..2 {
+        const STEP: f64 = 1e-5;
+        let [low, high] = [-STEP, STEP].map(|change| {
+            let mut beside = parameters;
+            beside[j] += change;
+            shot(&beside).period()
+        });
+        let slope = (high - low) / (2.0 * STEP);
+        let error = found.period[j] - slope;
+        println!("{j}: {slope} {error:e}");
+        assert!(
+            error.abs() < 1e-7 * (1.0 + slope.abs()),
+            "{slope} {error:e}"
+        );
+    }
 }

@@ -222,7 +222,7 @@ impl<'f> Motions<'f> {
         trial: &TrialMotion,
     ) -> Result<(), Error> {
         let (map, period) = (&trial.map, trial.period);
-        let half = HalfMap::of_symmetric(|t| map.vector_at(t), period, (self.n, &map.sizes()));
+        let half = HalfMap::of_symmetric(map, period);
         let balance = self.with(self.parameters(y), |form| Ok(Balance::of(form, period)))?;
         let half = half.ok_or_else(|| self.lost(y, trial))?;
         self.half = Some((half, balance));

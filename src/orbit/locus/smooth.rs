@@ -115,10 +115,8 @@ impl<'f> SmoothCurve<'f> {
 
     /// M, each number in units of its size.
     fn monodromy(&self, trial: &TrialMotion, begin: &FrozenStart) -> DMatrix<f64> {
-        let (order, sizes) = (self.motions.order, &begin.sizes);
-        DMatrix::from_fn(order, order, |i, j| {
-            trial.map.monodromy[(i, j)] * (sizes[j] / sizes[i])
-        })
+        let sizes = begin.sizes.rows(0, self.motions.order).into_owned();
+        trial.map.in_units(&sizes)
     }
 
     /// The matrix A in units of the sizes.
