@@ -208,7 +208,7 @@ impl WithoutStops {
 
 /// Largest F/p with which the undamped oscillator (ζ = 0, F_s = F) moves without stops at the
 /// angular frequency Ω (in units of ω0). Dimensionless, exact. `None` unless Ω is positive and
-/// finite.
+/// finite, and Ω² neither overflows nor underflows.
 ///
 /// ```text
 /// √(V²/(U² + (S/Ω²)²)),   V = 1/(1 − Ω²),   U = sin(π/Ω)/(Ω(1 + cos(π/Ω)))
@@ -226,7 +226,7 @@ impl WithoutStops {
 /// ```
 pub fn no_stop_limit(angular_frequency: f64) -> Option<f64> {
     let omega = angular_frequency;
-    if !(omega > 0.0 && omega.is_finite()) {
+    if !(omega * omega).is_normal() || omega < 0.0 {
         return None;
     }
     if omega == 1.0 {

@@ -200,6 +200,9 @@ const LOOKS: usize = 9;
 const MOST_RETURNS: usize = 16;
 const LEAST_RETURNS: usize = 6;
 
+/// Number of returns whose states are kept.
+const KEPT: usize = 2 * MOST_RETURNS + 1;
+
 /// Velocities below this part of the largest count as those of a mass at rest.
 const AT_REST: f64 = 1e-6;
 
@@ -348,7 +351,7 @@ fn repeats(seen: &Recurrence, returns: &Returns) -> Option<(usize, f64)> {
 type Returns = VecDeque<(f64, State)>;
 
 fn keep(returns: &mut Returns, time: f64, state: State) {
-    if returns.len() > 2 * MOST_RETURNS {
+    if returns.len() == KEPT {
         returns.pop_front();
     }
     returns.push_back((time, state));
@@ -399,12 +402,18 @@ impl Recurrence {
         }
         self.modes = step.modes().to_vec();
         if let Some(period) = period {
-            while *number as f64 * period < step.end_time() {
-                let time = *number as f64 * period;
+            // A step may be longer than any number of periods; only the last states are kept.
+            let end = step.end_time();
+            let last = (end / period).ceil() as u64;
+            for n in (*number).max(last.saturating_sub(KEPT as u64))..=last {
+                let time = n as f64 * period;
+                if time >= end {
+                    break;
+                }
                 let mut state = back(&step.state_at(step.since_start(time)));
                 form.put_in_modes(&mut state, 0.0, |c| Some(step.modes()[c]));
                 keep(&mut self.strobes, time, state);
-                *number += 1;
+                *number = n.saturating_add(1);
             }
         } else if let Some(velocity) = self.turning.series(step) {
             let _ = velocity.sign_changes(step.duration(), &mut |t, rises| {

@@ -86,7 +86,8 @@ pub fn lyapunov<S: Oscillator>(
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless both times are finite, the transient is ≥ 0 and the duration
-/// is > 0; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
+/// is > 0; [`Error::InvalidParameter`] if the duration is so short that rounding removes it from the
+/// sum of both; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
 /// oscillations); the other errors of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
@@ -145,6 +146,15 @@ fn exponent(
     if !(duration > 0.0 && (transient + duration).is_finite()) {
         return Err(Error::InvalidDuration { value: duration });
     }
+    let is_resolved = transient + duration > transient;
+    let allowed = "transient + duration > transient, in double precision";
+    Error::check(
+        "orbit::lyapunov",
+        "duration",
+        duration,
+        is_resolved,
+        allowed,
+    )?;
     let parts = growths(form, start, transient, duration)?;
     let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();
     let sum = |of: fn(&Growth) -> f64| parts.iter().map(of).sum::<f64>();
@@ -214,12 +224,11 @@ fn growths(
         }
         // Nothing changes any more: any stretch of the step is like its first.
         let mut time = begins;
-        while time < parts.end() {
-            let next = if time < transient {
-                transient
-            } else {
-                (time + duration / PARTS as f64).min(parts.end())
-            };
+        for i in 0..=PARTS {
+            let next = transient + duration * (i as f64 / PARTS as f64);
+            if next <= time {
+                continue;
+            }
             flow.carry(&step.clone().until(begins + (next - time)))?;
             time = next;
             if !parts.add(time, normalise(form, &mut flow, along, &step)?) {
@@ -253,14 +262,16 @@ impl GrowthParts {
         self.transient + self.duration
     }
 
-    /// Adds the growth up to a time; returns true if the perturbation has not decayed to zero.
+    /// Adds the growth up to a time; returns true if the perturbation has not decayed to zero. Of a
+    /// step that begins before the duration, or ends after it, the part inside counts.
     fn add(&mut self, time: f64, logarithm: f64) -> bool {
         let since = std::mem::replace(&mut self.since, time);
-        if since >= self.transient && time > since {
-            let place = (0.5 * (since + time) - self.transient) / self.duration;
+        let (from, to) = (since.max(self.transient), time.min(self.end()));
+        if from < to {
+            let place = (0.5 * (from + to) - self.transient) / self.duration;
             let index = ((place * PARTS as f64) as usize).min(PARTS - 1);
-            self.growths[index].logarithm += logarithm;
-            self.growths[index].time += time - since;
+            self.growths[index].logarithm += logarithm * ((to - from) / (time - since));
+            self.growths[index].time += to - from;
         }
         logarithm > f64::NEG_INFINITY
     }

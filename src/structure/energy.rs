@@ -91,11 +91,13 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid.
+    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
+    /// [`Error::InvalidState`] also if the energy overflows.
     pub fn kinetic_energy(&self, state: &State) -> Result<f64, Error> {
         let moving = State::new(&state.displacements, &state.velocities);
         check_start(&self.model(), 0.0, &moving)?;
-        Ok(self.energies(&self.model()).kinetic(&state.velocities))
+        let energy = self.energies(&self.model()).kinetic(&state.velocities);
+        finite(energy, state)
     }
 
     /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) of a state at a time: the energy of the
@@ -104,7 +106,8 @@ impl Structure {
     /// # Errors
     ///
     /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
-    /// [`Error::InvalidParameter`] if the time is not finite.
+    /// [`Error::InvalidState`] also if the energy overflows; [`Error::InvalidParameter`] if the
+    /// time is not finite.
     ///
     /// ```
     /// use stick_slip::{Structure, structure::State};
@@ -127,18 +130,22 @@ impl Structure {
             energies.of_contact(c, carried.copied().unwrap_or(0.0))
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
         });
-        Ok(energies.elastic(&state.displacements) + springs.sum::<f64>())
+        let energy = energies.elastic(&state.displacements) + springs.sum::<f64>();
+        finite(energy, state)
     }
 
     /// Work and heat of each force, contact and damper along a motion of this structure.
     ///
     /// # Errors
     ///
-    /// [`Error::WrongSize`] if the motion belongs to another structure.
+    /// [`Error::WrongSize`] if the motion belongs to another structure; [`Error::InvalidState`],
+    /// with a state of the motion, if an energy overflows.
     pub fn energy_budget(&self, motion: &Trajectory<State>) -> Result<EnergyBudget, Error> {
         let model = self.model();
         check_motion(&model, motion)?;
-        Ok(self.energies(&model).budget(motion.steps()))
+        let budget = self.energies(&model).budget(motion.steps());
+        finite(budget.defect(), &motion.last())?;
+        Ok(budget)
     }
 
     /// The matrices and springs from which energies are computed.
@@ -154,6 +161,21 @@ impl Structure {
                 .collect(),
         }
     }
+}
+
+/// An energy; the error shows the largest coordinate of a state whose energy overflows.
+fn finite(energy: f64, state: &State) -> Result<f64, Error> {
+    if energy.is_finite() {
+        return Ok(energy);
+    }
+    let size = |(u, v): &(f64, f64)| u.abs().max(v.abs());
+    let coordinates = zip(&state.displacements, &state.velocities).map(|(u, v)| (*u, *v));
+    let largest = coordinates.max_by(|a, b| size(a).total_cmp(&size(b)));
+    let (displacement, velocity) = largest.unwrap_or_default();
+    Err(Error::InvalidState {
+        displacement,
+        velocity,
+    })
 }
 
 /// Checks that a motion has the size of a structure.

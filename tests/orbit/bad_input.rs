@@ -132,6 +132,17 @@ fn a_mean_over_no_time_says_what_it_needs() {
     let driven = block(sine(1.0), 0.2.into());
     let found = lyapunov(&driven, &State::at_rest(1), 1.0, 0.0);
     message(found, "duration = 0 is not allowed: duration > 0");
+    // Rounding leaves nothing of it behind the transient.
+    let found = lyapunov(&driven, &State::at_rest(1), 1.0, 1e-17);
+    let refused = matches!(
+        found,
+        Err(Error::InvalidParameter {
+            name: "duration",
+            value: 1e-17,
+            ..
+        })
+    );
+    assert!(refused, "{found:?}");
 }
 
 #[test]

@@ -154,6 +154,22 @@ fn chaos_rest_and_what_is_held() {
     }
 }
 
+/// Hardly anything moves so heavy a mass: a step is longer than 10⁹ periods of the force.
+#[test]
+fn a_step_may_be_longer_than_any_number_of_periods() {
+    let heavy = Structure::new(&[1e140])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_force(0, Drive::sine(0.4, 0.35)?))
+        .unwrap();
+    let search = Search::new().with_max_steps(300).unwrap();
+    let found = search.classify(&heavy, &State::new(&[0.0], &[1e140]));
+    let found = found.map(|found| found.kind());
+    let Err(Error::TooManySteps { limit, reached }) = &found else {
+        panic!("{found:?}");
+    };
+    assert!(*limit == 300 && reached.time > 1e10, "{found:?}");
+}
+
 fn exponential(velocity: f64) -> Result<MassOnBelt<Exponential>, Error> {
     MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, velocity)?.with_damping(0.01)
 }

@@ -120,6 +120,22 @@ fn exponents_of_a_belt() {
     assert!(found.spread < 1e-3);
 }
 
+/// A duration may be shorter than a step, and begin inside one: the mean of the exponents of
+/// neighbouring durations is that of the whole.
+#[test]
+fn neighbouring_durations_add_up() {
+    let system = paper(0.4071);
+    let start = (0.3, 0.1).into();
+    let of = |transient, duration| lyapunov(&system, &start, transient, duration).unwrap();
+    let whole = of(40.0, 8.0);
+    let parts: Vec<f64> = (0..64)
+        .map(|i| of(40.0 + f64::from(i) / 8.0, 0.125))
+        .collect();
+    assert!(parts.iter().any(|part| (part - whole).abs() > 0.01));
+    let mean = parts.iter().sum::<f64>() / 64.0;
+    assert!((mean - whole).abs() < 1e-13, "{mean} {whole}");
+}
+
 /// The spread is the standard error of a mean of 16 parts. On steady sliding, one step of any
 /// length, each part alone is a shorter run after a longer transient.
 #[test]

@@ -58,7 +58,7 @@ fn no_stop_limits() {
             "{offset}"
         );
     }
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::MAX, 1e-160] {
         assert_eq!(no_stop_limit(bad), None);
     }
 }

@@ -336,3 +336,23 @@ fn motions_of_other_structures_are_refused() {
     assert_eq!(one.energy_budget(&none).unwrap().stored, 0.0);
     assert_eq!(one.samples(&none, 1.0).unwrap().count(), 1);
 }
+
+/// A motion whose squares overflow is computed; its energies are refused.
+#[test]
+fn energies_that_overflow_are_refused() {
+    let one = Structure::new(&[1.0]).unwrap();
+    let one = one.with_ground_spring(0, 1.0).unwrap();
+    let far = State::new(&[1e200], &[2e200]);
+    let refused = |found: Result<f64, Error>| {
+        let is_refused = matches!(
+            found,
+            Err(Error::InvalidState { displacement, velocity })
+                if displacement.abs().max(velocity.abs()) > 1e199
+        );
+        assert!(is_refused, "{found:?}");
+    };
+    refused(one.kinetic_energy(&far));
+    refused(one.elastic_energy(0.0, &far));
+    let motion = one.simulate(far, 1.0).unwrap();
+    refused(one.energy_budget(&motion).map(|budget| budget.stored));
+}
