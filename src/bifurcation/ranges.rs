@@ -27,6 +27,10 @@ use crate::numerics::scan::INTERVALS;
 /// the new cycle is too small for `find`; there the function reports the attractors found farther
 /// from the Hopf velocity.
 ///
+/// Each of the six searches divides the range into 64 intervals. Two changes that undo each other
+/// within one interval can be missed, for example two folds between which a pair of cycles exists.
+/// A narrower range is searched more densely.
+///
 /// The cost is that of the searches for these six kinds of velocities, and of three calls of `find`
 /// for each interval. Intervals narrower than a 64th of the range are searched once more for
 /// grazing, touching, overshoot and crossing velocities. [`Along::vibration_ranges`] accepts a

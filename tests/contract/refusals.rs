@@ -369,6 +369,7 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let no_point = Drive::profile(&[]);
     let no_mass = Structure::new(&[]);
     let no_matrix = Structure::with_mass_matrix(DMatrix::zeros(0, 0));
+    let no_time = orbit::lyapunov(&forced, &start, 1.0, 1e-17);
     let search = "bifurcation::along";
     vec![
         ("Integrator", "max_steps", 0.0, no_steps.unwrap_err()),
@@ -386,6 +387,7 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
         ("Structure", "masses", 0.0, no_matrix.unwrap_err()),
         ("orbit::Period", "periods", 0.0, no_period.unwrap_err()),
         ("orbit::section_at", "contact", 3.0, no_contact_3),
+        ("orbit::lyapunov", "duration", 1e-17, no_time.unwrap_err()),
     ]
 }
 
