@@ -9,6 +9,7 @@ use super::period::Period;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{EventKind, System};
+use crate::state::Direction;
 
 /// A branch: periodic motions over a parameter, followed in both directions from one motion.
 #[non_exhaustive]
@@ -171,6 +172,26 @@ pub enum BranchEnd {
         /// The events of the motion from the same start just beyond the parameter. If this list
         /// equals `events`, the time of an event at `contact` jumps.
         beyond: Vec<(usize, EventKind)>,
+    },
+    /// The friction force of a contact that never slips reaches its limit, at one instant of the
+    /// period. Beyond this parameter the contact slips there in each period, and no slip in the
+    /// other direction takes this back: the motion is no longer periodic with this position of the
+    /// contact.
+    ///
+    /// Motions in which a contact never slips form a continuum, and the branch consists of those
+    /// with one position of the contact. Beyond its end the slips change the position. Either they
+    /// become shorter and cease, and the position then belongs to another branch (shakedown; start
+    /// [`settle`](super::settle) from the last motion to find it), or they go on (ratcheting).
+    ///
+    /// Source: A. Klarbring, M. Ciavarella, J. R. Barber, "Shakedown in elastic contact problems
+    /// with Coulomb friction", Int. J. Solids Struct. 44 (2007) 8355.
+    OneWaySlip {
+        /// The parameter there, to rounding.
+        parameter: f64,
+        /// The contact.
+        contact: usize,
+        /// The direction of the slip beyond.
+        direction: Direction,
     },
     /// The branch is a closed curve: it returned to its start.
     Closed,

@@ -52,7 +52,9 @@ use crate::state::structure::State;
 /// motion is lost, the branch up to this motion is returned, and [`Branch::ends`] gives the reason
 /// for each end. If the motion itself jumps as the parameter passes a value, the branch ends with
 /// [`BranchEnd::Discontinuity`]. If the jump is less than 1e-3 of the motion's size and a
-/// neighbouring motion is found on the other side, the branch continues with that motion.
+/// neighbouring motion is found on the other side, the branch continues with that motion. Contacts
+/// that never slip keep their positions along the branch; where one of them reaches its limit force
+/// and slips in one direction only, the branch ends with [`BranchEnd::OneWaySlip`].
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions of

@@ -1,5 +1,5 @@
 //! Discontinuities: up to one event the motions on both sides of a border are the same, and
-//! afterwards they differ.
+//! afterwards they differ. Or they differ by a slip that no other slip takes back.
 
 use super::branch::BranchEnd;
 use super::changes::{JUMP, LocalCurve};
@@ -51,7 +51,10 @@ impl LocalCurve<'_, '_> {
             let high = (away * shortest, self.side(away * shortest)?);
             if !high.1.is_like(&low.1, ALIKE) {
                 let (below, above) = self.border(low, high.clone())?;
-                if let Some((size, end)) = below.1.jump_to(&above) {
+                let unslipped = self.base.trial.map.unslipped();
+                let jump = below.1.jump_to(&above);
+                if let Some((size, end)) = jump.or_else(|| below.1.one_way_slip(&above, &unslipped))
+                {
                     let distance = below.0;
                     return Some(Discontinuity {
                         distance,
@@ -159,5 +162,35 @@ impl Side {
             beyond: beyond.kinds_from(begin),
         };
         Some((jump, end))
+    }
+
+    /// The end of a branch between two sides, if a contact that does not slip on this side slips
+    /// beyond, in one direction only.
+    ///
+    /// Its size counts as infinite, unless the slip may be a translation that nothing depends on:
+    /// then the branch may continue.
+    fn one_way_slip(&self, beyond: &Self, unslipped: &[usize]) -> Option<(f64, BranchEnd)> {
+        let same = self.alike(beyond, SAME);
+        let &(_, contact, EventKind::Release(direction)) = beyond.events.get(same)? else {
+            return None;
+        };
+        let mut later = beyond.events.iter().skip(same);
+        let turns_back = later.any(|&(_, c, kind)| {
+            c == contact && matches!(kind, EventKind::Release(to) if to != direction)
+        });
+        if turns_back || !unslipped.contains(&contact) {
+            return None;
+        }
+        let size = if beyond.map.has_translations() {
+            0.0
+        } else {
+            f64::INFINITY
+        };
+        let end = BranchEnd::OneWaySlip {
+            parameter: self.parameter,
+            contact,
+            direction,
+        };
+        Some((size, end))
     }
 }

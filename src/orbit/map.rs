@@ -172,6 +172,11 @@ impl PeriodMap {
         self.steps.iter().map(Segment::duration).sum()
     }
 
+    /// Returns true if there are translations on which no force depends.
+    pub(super) fn has_translations(&self) -> bool {
+        !self.translations.is_empty()
+    }
+
     /// The displacements by which the motion is translated over its duration.
     pub(super) fn translation(&self) -> &DVector<f64> {
         &self.translation
@@ -265,6 +270,21 @@ impl PeriodMap {
         let idle = idle.filter(|(_, depends)| !**depends);
         let unslipped = self.unslipped.iter().map(|unslipped| unslipped.row);
         idle.map(|(j, _)| first + j).chain(unslipped).collect()
+    }
+
+    /// Returns true if contacts that slip neither in this closed motion nor in another one have the
+    /// same positions in both: only a slip moves them.
+    pub(super) fn has_positions_of(&self, other: &Self) -> bool {
+        let apart = vector(&self.start, self.order()) - vector(&other.start, self.order());
+        let most = CLOSED * self.growth().max(other.growth());
+        let sizes = self.sizes();
+        let unslipped = self.unslipped();
+        let stays = |contact| unslipped.contains(&contact) || self.slips_by_rounding(contact);
+        let mut common = other.unslipped.iter().filter(|of| stays(of.contact));
+        common.all(|Unslipped { row, slopes, .. }| {
+            let along: f64 = slopes.iter().map(|&(j, k)| k * apart[j]).sum();
+            (apart[*row] - along).abs() <= most * sizes[*row]
+        })
     }
 
     /// Contacts that never slip, by their numbers.
@@ -560,12 +580,13 @@ pub(super) fn held_period_map(
         ((to - &back).rows(0, n).into_owned(), state(&back, n))
     };
     let unslipped = unslipped(form, &steps, [start, &end]);
+    let slip_by_rounding = slip_by_rounding(form, &steps, &translation);
     Ok(PeriodMap {
         translations,
         translation,
+        slip_by_rounding,
         boosts: form.freedom().velocities.clone(),
         unslipped,
-        slip_by_rounding: slip_by_rounding(form, &steps),
         touches: flow.touches().to_vec(),
         start: start.clone(),
         end_modes,

@@ -95,14 +95,18 @@ pub(super) fn unslipped(
     unslipped
 }
 
-/// Elastic contacts that slip, but in one direction only, on surfaces that come back.
+/// Contacts that stick and slip, but slip in one direction only, although they return to their
+/// positions, if the motion is closed up to a translation.
 ///
-/// A slider returns to its position after a period. If it slips in one direction only, the length
-/// of this slip is therefore 0 in a closed motion: the force only touches its limit, as at the
-/// border of the family of motions without slip (shakedown). Rounding decides whether there are
-/// events.
-pub(super) fn slip_by_rounding(form: &GeneralForm<'_>, steps: &[Step]) -> Vec<usize> {
-    /// The largest apparent displacement of a surface that returns, in parts of its path.
+/// The length of their slip is therefore 0: the force only touches its limit, as at the border of
+/// the family of motions without slip (shakedown). Rounding decides whether there are events.
+pub(super) fn slip_by_rounding(
+    form: &GeneralForm<'_>,
+    steps: &[Step],
+    translation: &DVector<f64>,
+) -> Vec<usize> {
+    /// The largest apparent way of a contact that returns, in parts of the way of its surface and
+    /// of the displacements.
     const ROUNDING: f64 = 1e-9;
     let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
     let slips_one_way = |c: &usize| {
@@ -110,15 +114,19 @@ pub(super) fn slip_by_rounding(form: &GeneralForm<'_>, steps: &[Step]) -> Vec<us
             .map(|step| step.modes()[*c])
             .filter(|mode| *mode != Mode::Stick);
         let first = slips.next();
-        matches!(first, Some(Mode::Slip(_))) && slips.all(|mode| Some(mode) == first)
+        let sticks = lasting().any(|step| step.modes()[*c] == Mode::Stick);
+        sticks && matches!(first, Some(Mode::Slip(_))) && slips.all(|mode| Some(mode) == first)
     };
     let comes_back = |c: &usize| {
-        let surface = &form.model.contacts[*c].belt_velocity;
+        let contact = &form.model.contacts[*c];
+        let surface = &contact.belt_velocity;
         let moved = lasting()
             .map(|step| surface.integral(step.clock(), step.clock().after(step.duration())));
         let [moved, way] = moved.fold([0.0, 0.0], |[sum, way], x| [sum + x, way + f64::abs(x)]);
-        moved.abs() <= ROUNDING * way
+        let states = lasting().map(|step| contact.size_along(|j| step.state().displacements[j]));
+        let size = states.fold(way, f64::max);
+        (contact.along(|j| translation[j]) - moved).abs() <= ROUNDING * size
     };
-    let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
-    elastic.filter(slips_one_way).filter(comes_back).collect()
+    let contacts = (0..form.contacts()).filter(slips_one_way);
+    contacts.filter(comes_back).collect()
 }

@@ -298,7 +298,8 @@ impl Walk<'_, '_> {
         // A curve may turn sharply where the events change, or one of them passes the start.
         let same = is_smooth(base, &place.solved);
         let allowed = straight || (!same && sideways.norm() <= 2.0 * LONGEST);
-        if !(allowed && place.distance > 0.0) {
+        let stays = place.solved.trial.map.has_positions_of(&base.trial.map);
+        if !(allowed && stays && place.distance > 0.0) {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }
         let found = view.changes(here, &place, signs)?;

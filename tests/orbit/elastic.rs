@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use approx::assert_abs_diff_eq;
 use serde_json::Value;
 use stick_slip::orbit::{BifurcationKind, BranchEnd, Period, follow, lyapunov, settle, shoot};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, Integrator, Structure};
+use stick_slip::{Contact, Coulomb, Direction, Drive, Error, Integrator, Structure};
 
 use crate::common::{number, text};
 use crate::reading::{cases, structure};
@@ -143,6 +144,102 @@ fn sliders_keep_their_place_along_a_branch() {
             assert!(apart.abs() < 1e-12, "{constant}: {apart:e}");
             assert_eq!(point.orbit.unslipped(), [0]);
         }
+    }
+}
+
+/// The friction of a contact reaches its limit once in each period: it slips there until it has
+/// moved so far that it only touches the limit. The motions without slip with one position of the
+/// contact end where they reach it.
+#[test]
+fn a_slip_that_nothing_takes_back_ends_a_branch() {
+    // T under a force of amplitude 1 while the slider stays: spring 1, element 3.
+    let factor = 3.0 / f64::hypot(4.0 - 1.2 * 1.2, 0.1 * 1.2);
+    for (constant, residual, direction) in [
+        (0.8, 0.0, Direction::Leading),
+        (-0.8, 0.0, Direction::Lagging),
+        (0.3, 0.4, Direction::Leading),
+        (0.0, -0.3, Direction::Lagging),
+    ] {
+        let family = |amplitude: f64| {
+            let force = Drive::harmonic(amplitude, 1.2, 0.3)?.with_constant(constant)?;
+            oscillator(0.0).with_force(0, force)
+        };
+        // The slider at −residual/3: T = 3x + residual, x = (constant − residual)/4 in the mean.
+        let rest = 0.25 * (constant - residual);
+        let mean = 3.0 * rest + residual;
+        let start = State::new(&[rest], &[0.0]).with_memory(&[mean]);
+        let orbit = shoot(&family(0.05).unwrap(), &start, Period::Driven(1)).unwrap();
+        let end = (1.0 - mean.abs()) / factor;
+        let branch = follow(family, 0.05, &orbit, 0.01..1.5).unwrap();
+        let BranchEnd::OneWaySlip {
+            parameter,
+            contact: 0,
+            direction: found,
+        } = branch.ends[1]
+        else {
+            panic!("{constant}: {:?}", branch.ends)
+        };
+        assert_eq!((&branch.ends[0], found), (&BranchEnd::Range, direction));
+        assert_abs_diff_eq!(parameter, end, epsilon = 1e-12);
+        // No motion of the branch has moved its slider.
+        for point in &branch.points {
+            assert_eq!(
+                (point.orbit.unslipped(), point.orbit.events().len()),
+                (&[0][..], 0)
+            );
+            let (low, high) = point.orbit.extremes(0);
+            assert_abs_diff_eq!(0.5 * (low + high), rest, epsilon = 1e-12);
+        }
+        let last = branch.points.last().unwrap();
+        assert!(last.parameter < parameter && parameter - last.parameter < 1e-8);
+
+        // Beyond, the slider comes to rest where the force touches its limit, up to the amplitude
+        // 1/factor, at which it touches both.
+        let beyond = 0.5 * (end + 1.0 / factor);
+        let system = family(beyond).unwrap();
+        let settled = settle(&system, &last.orbit.state(), 4000.0, Period::Driven(1)).unwrap();
+        assert_eq!(settled.unslipped(), [0]);
+        let state = settled.state();
+        let (low, high) = settled.extremes(0);
+        let place = state.displacements[0] - state.memory[0] / 3.0;
+        let force = 3.0 * (0.5 * (low + high) - place);
+        assert!(force.abs() <= 1.0 - beyond * factor + 1e-12, "{force}");
+        assert!(force.abs() < mean.abs() && force * mean > 0.0, "{force}");
+        let branch = follow(family, beyond, &settled, 0.01..1.5).unwrap();
+        assert_eq!(branch.ends[0], BranchEnd::Range);
+        assert!(matches!(branch.ends[1], BranchEnd::OneWaySlip { .. }));
+    }
+}
+
+/// The same of a rigid contact under a mass that a vibrating one pulls at.
+#[test]
+fn a_rigid_contact_that_slips_one_way_ends_a_branch() {
+    let family = |constant: f64, amplitude: f64| {
+        Structure::new(&[1.0, 0.7])?
+            .with_ground_spring(0, 1.0)?
+            .with_spring(0, 1, 1.0)?
+            .with_ground_damper(1, 0.1)?
+            .with_force(1, Drive::harmonic(amplitude, 1.2, 0.4)?)?
+            .with_force(0, constant)?
+            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, 2.0)?)
+    };
+    for (constant, expected) in [(0.8, Direction::Leading), (-0.7, Direction::Lagging)] {
+        let family = |amplitude: f64| family(constant, amplitude);
+        let start = State::at_rest(2);
+        let orbit = shoot(&family(0.01).unwrap(), &start, Period::Driven(1)).unwrap();
+        let branch = follow(family, 0.01, &orbit, 0.005..0.5).unwrap();
+        let BranchEnd::OneWaySlip {
+            parameter,
+            contact: 0,
+            direction,
+        } = branch.ends[1]
+        else {
+            panic!("{constant}: {:?}", branch.ends)
+        };
+        assert_eq!(direction, expected);
+        // The second mass on its spring.
+        let factor = 1.0 / f64::hypot(1.0 - 0.7 * 1.2 * 1.2, 0.1 * 1.2);
+        assert_abs_diff_eq!(parameter, (1.0 - constant.abs()) / factor, epsilon = 1e-12);
     }
 }
 

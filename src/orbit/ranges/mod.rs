@@ -191,7 +191,9 @@ impl Search<'_> {
             BranchEnd::Hopf { parameter } => {
                 (known.hopf(*parameter).unwrap_or(*parameter), Border::Hopf)
             }
-            BranchEnd::Grazing { parameter } => (*parameter, Border::Grazing),
+            BranchEnd::Grazing { parameter } | BranchEnd::OneWaySlip { parameter, .. } => {
+                (*parameter, Border::Grazing)
+            }
             BranchEnd::Discontinuity { parameter, .. } => (*parameter, Border::Discontinuity),
             BranchEnd::Lost { parameter, .. } => match known.end_of_systems(*parameter) {
                 Some(border) => (border, Border::NoSystem),
