@@ -169,7 +169,7 @@ impl Walk<'_, '_> {
         let mut length = longest;
         // The map magnifies rounding errors, so points at a smaller distance cannot be
         // distinguished.
-        let shortest = SHORTEST * base.trial.map.monodromy.norm().max(1.0);
+        let shortest = SHORTEST * base.trial.map.growth();
         let here = CurvePoint {
             distance: 0.0,
             solved: base.clone(),
@@ -356,7 +356,7 @@ impl Walk<'_, '_> {
     /// As an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
     /// the rate of the relative velocity at arrival.
     fn grazing(&self, base: &Solved) -> Option<Outcome> {
-        let growth = |solved: &Solved| solved.trial.map.monodromy.norm();
+        let growth = |solved: &Solved| solved.trial.map.growth();
         let last = growth(base);
         let mut before = self.points.iter().rev().map(growth);
         if last < GRAZING_GROWTH || !before.any(|before| before < GRAZING_RISE * last) {

@@ -243,6 +243,32 @@ fn a_rigid_contact_that_slips_one_way_ends_a_branch() {
     }
 }
 
+/// The end is as near in newtons and micrometres, where derivatives of forces are large numbers.
+#[test]
+fn the_end_of_a_branch_does_not_depend_on_units() {
+    let (length, force) = (1e-6, 1e2);
+    let stiffness = force / length;
+    let family = |amplitude: f64| {
+        let drive = Drive::harmonic(force * amplitude, 1.2, 0.3)?.with_constant(0.8 * force)?;
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, 2.0 * force)?;
+        Structure::new(&[stiffness])?
+            .with_ground_spring(0, stiffness)?
+            .with_ground_damper(0, 0.1 * stiffness)?
+            .with_force(0, drive)?
+            .with_contact(contact.with_tangential_stiffness(3.0 * stiffness)?)
+    };
+    let start = State::new(&[0.2 * length], &[0.0]).with_memory(&[0.6 * force]);
+    let orbit = shoot(&family(0.05).unwrap(), &start, Period::Driven(1)).unwrap();
+    let branch = follow(family, 0.05, &orbit, 0.01..1.5).unwrap();
+    let BranchEnd::OneWaySlip { parameter, .. } = branch.ends[1] else {
+        panic!("{:?}", branch.ends)
+    };
+    let end = 0.4 * f64::hypot(4.0 - 1.2 * 1.2, 0.1 * 1.2) / 3.0;
+    assert_abs_diff_eq!(parameter, end, epsilon = 1e-12);
+    let last = branch.points.last().unwrap();
+    assert!(parameter - last.parameter < 1e-8);
+}
+
 /// The exponent of a motion is that of its multipliers.
 #[test]
 fn exponents_are_those_of_the_multipliers() {
