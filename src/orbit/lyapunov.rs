@@ -86,9 +86,9 @@ pub fn lyapunov<S: Oscillator>(
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless both times are finite, the transient is ≥ 0 and the duration
-/// is > 0; [`Error::InvalidParameter`] if the duration is so short that rounding removes it from the
-/// sum of both; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
-/// oscillations); the other errors of [`Integrator::simulate`].
+/// is > 0; [`Error::InvalidParameter`] if the duration is so short that rounding removes it from
+/// the sum of both; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps
+/// (about 10⁵ oscillations); the other errors of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
 /// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.

@@ -61,9 +61,9 @@ pub struct PeriodMap {
 /// magnification by the motion. Rounding alone causes about 1e-15.
 pub(super) const CLOSED: f64 = 1e-11;
 
-/// The least size of a velocity, in units of the displacement per period: a coordinate that
-/// passes 0 goes as far as its largest displacement and back within a period, so it is at least this
-/// fast. One that hardly moves beside its static displacement is slower, and its velocity has the
+/// The least size of a velocity, in units of the displacement per period: a coordinate that passes
+/// 0 goes as far as its largest displacement and back within a period, so it is at least this fast.
+/// One that hardly moves beside its static displacement is slower, and its velocity has the
 /// rounding errors of that displacement.
 const LEAST_VELOCITY: f64 = 2.0;
 

@@ -239,8 +239,8 @@ impl Walk<'_, '_> {
         (end.unwrap_or(lost), shortest)
     }
 
-    /// The guess for a step: by the two-step formula of Adams and Bashforth from the tangents at the
-    /// last two points, or on the tangent. What the equations do not determine stays as it is.
+    /// The guess for a step: by the two-step formula of Adams and Bashforth from the tangents at
+    /// the last two points, or on the tangent. What the equations do not determine stays as it is.
     fn predicted(&self, view: &LocalCurve<'_, '_>, length: f64) -> DVector<f64> {
         let (base, along) = (view.base, view.curve.measured(&view.base.tangent));
         let mut slope = base.tangent.clone();

@@ -2,7 +2,7 @@
 
 use stick_slip::bifurcation::{self, AttractorKind as OfBelt};
 use stick_slip::orbit::{
-    self, AttractorKind, Border, Search, VibrationRanges, classify, vibration_ranges,
+    self, AttractorKind, Border, BranchEnd, Search, VibrationRanges, classify, vibration_ranges,
 };
 use stick_slip::structure::State;
 use stick_slip::{
@@ -90,26 +90,52 @@ fn a_belt_as_a_structure_has_the_ranges_of_the_belt() {
     }
 }
 
+/// A drill string under a load, bit first; the drive turns the ground of the other end, in a frame
+/// that turns with it.
+fn drill_string(inertias: usize, load: f64) -> Result<Structure, Error> {
+    let mut string = Structure::new(&vec![1.0; inertias])?;
+    for i in 1..inertias {
+        string = string
+            .with_spring(i - 1, i, 20.0)?
+            .with_damper(i - 1, i, 0.5)?;
+    }
+    let law = Exponential::new(0.6, 0.35, 1.0)?;
+    string
+        .with_ground_spring(inertias - 1, 20.0)?
+        .with_ground_damper(inertias - 1, 0.5)?
+        .with_ground_damper(0, 0.3)?
+        .with_contact(Contact::new(0, law, load)?.on_belt(-2.0))
+}
+
+/// The branch of a long string shrinks beside a static twist four times its extent to the Hopf
+/// point; its fold and the grazing behind it lie between two points, and the motions between these.
+#[test]
+fn a_fold_and_a_grazing_side_by_side_bound_a_range() {
+    use AttractorKind::{PureSlip, SteadySliding, StickSlip};
+    let found = vibration_ranges(|load| drill_string(12, load), 2.0..30.0).unwrap();
+    show(&found);
+    let kinds = found.ranges.iter().map(|range| &range.attractors[..]);
+    let expected: [&[_]; 4] = [
+        &[SteadySliding],
+        &[SteadySliding, PureSlip],
+        &[SteadySliding, StickSlip],
+        &[StickSlip],
+    ];
+    assert_eq!(kinds.collect::<Vec<_>>(), expected);
+    assert_eq!(found.ranges[1].borders, [Border::Fold, Border::Grazing]);
+    let [branch] = &found.branches[..] else {
+        panic!("{} branches", found.branches.len());
+    };
+    assert!(matches!(branch.ends[0], BranchEnd::Hopf { .. }));
+    assert!(branch.points.len() < 400 && branch.bifurcations.len() == 2);
+}
+
 /// A drill string of three inertias over its load: vibration lasts far below the load at which a
 /// bisection over simulations from near steady sliding loses it.
 #[test]
 fn hysteresis_of_a_drill_string_is_reported() {
     const INERTIAS: usize = 3;
-    let string = |load: f64| -> Result<Structure, Error> {
-        // Bit first; the drive turns the ground of the other end, in a frame that turns with it.
-        let mut string = Structure::new(&[1.0; INERTIAS])?;
-        for i in 1..INERTIAS {
-            string = string
-                .with_spring(i - 1, i, 20.0)?
-                .with_damper(i - 1, i, 0.5)?;
-        }
-        let law = Exponential::new(0.6, 0.35, 1.0)?;
-        string
-            .with_ground_spring(INERTIAS - 1, 20.0)?
-            .with_ground_damper(INERTIAS - 1, 0.5)?
-            .with_ground_damper(0, 0.3)?
-            .with_contact(Contact::new(0, law, load)?.on_belt(-2.0))
-    };
+    let string = |load: f64| drill_string(INERTIAS, load);
     let range = 2.0..30.0;
     let found = vibration_ranges(string, range).unwrap();
     show(&found);

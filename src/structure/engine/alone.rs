@@ -92,7 +92,8 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     true
 }
 
-/// The coordinate that slips under a constant load, without a drive, while all others are held, and its contact.
+/// The coordinate that slips under a constant load, without a drive, while all others are held, and
+/// its contact.
 pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
     let mut found = None;
     for (i, coordinate) in series.coordinates.iter().enumerate() {
