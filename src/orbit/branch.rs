@@ -140,7 +140,8 @@ pub enum BranchEnd {
     Range,
     /// The motion shrank to an equilibrium that changes its stability there: a Hopf bifurcation.
     Hopf {
-        /// The parameter of the Hopf bifurcation.
+        /// The parameter of the Hopf bifurcation, to rounding: the growth rate of steady sliding is
+        /// 0 there.
         parameter: f64,
     },
     /// An event of the motion became tangential, and the branch cannot continue. At the end of the

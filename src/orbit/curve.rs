@@ -19,6 +19,7 @@ use super::period::Period;
 use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
 use super::shoot::shortest;
+use super::spectrum::spectrum;
 use super::translation::Turning;
 use super::trial::TrialMotion;
 use crate::error::Error;
@@ -174,6 +175,11 @@ impl Curve<'_> {
             "inside its range",
         )
         .and_then(|parameter| (self.family)(parameter))
+    }
+
+    /// The eigenvalues of steady sliding at a value of the parameter.
+    pub(super) fn spectrum(&self, parameter: f64) -> Result<Vec<Complex<f64>>, Error> {
+        spectrum(&self.member(parameter)?.form())
     }
 
     /// The start for one system: contacts that stick have the velocity of their belts, elastic ones
@@ -422,7 +428,7 @@ impl Curve<'_> {
             right[last] = plane.value - plane.normal.dot(&y.component_div(plane.scale));
             let change = solution(&matrix, &right)?;
             let size = self.largest(&change, plane.scale, &near.trial);
-            if !(size <= before) {
+            if size.is_nan() || size > before {
                 return (size <= CONVERGED).then_some(y);
             }
             y += change.component_mul(plane.scale);

@@ -13,26 +13,15 @@ use super::map::{state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
+use super::spectrum::{ROUNDING, hopf_point, spectrum};
 use super::translation::Turning;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::error::Error;
 use crate::numerics::bracket::{Bracket, border};
-use crate::numerics::eigenvalues::{balance, eigenvalues};
+use crate::numerics::eigenvalues::balance;
 use crate::state::structure::State;
 use crate::structure::sliding_field::SlidingField;
-
-/// Real parts below this part of the largest eigenvalue count as 0.
-const ROUNDING: f64 = 1e-10;
-
-/// The largest growth rate, in units of the frequency, of a pair near a Hopf point.
-const NEAR: f64 = 0.2;
-
-/// First increment of a parameter, as a part of its size.
-const INCREMENT: f64 = 1e-6;
-
-/// Limit of steps of the secant method; five or six are usual.
-const MOST_STEPS: usize = 40;
 
 /// Amplitudes of the first motion, in units of the sliding velocities (and of the memory
 /// variables).
@@ -40,18 +29,6 @@ const AMPLITUDES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
 /// Its largest amplitude in units of the displacements in steady sliding.
 const DISPLACED: f64 = 0.1;
-
-/// The eigenvalues of steady sliding, by falling real part.
-fn spectrum(form: &GeneralForm<'_>) -> Result<Vec<Complex<f64>>, Error> {
-    let mut matrix = SlidingField::of(form.model())?.jacobian();
-    if !matrix.iter().all(|entry| entry.is_finite()) {
-        return Err(Error::NoHopfPoint);
-    }
-    let _ = balance(&mut matrix);
-    let mut values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
-    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-    Ok(values)
-}
 
 /// The eigenvalues at a value of the parameter.
 fn spectrum_at<S: Oscillator>(
@@ -224,7 +201,7 @@ fn sign_change(
 ///     BranchEnd::Hopf { parameter } => Some(*parameter),
 ///     _ => None,
 /// });
-/// assert!((hopf.unwrap() - 0.738553461542470176).abs() < 1e-10);
+/// assert!((hopf.unwrap() - 0.738553461542470176).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[doc(alias = "Hopf")]
@@ -248,7 +225,7 @@ impl Search<'_> {
         near: f64,
     ) -> Result<BranchPoint<S>, Error> {
         let unit = if near == 0.0 { 1.0 } else { near.abs() };
-        let (parameter, frequency) = hopf_point(&family, near, unit)?;
+        let (parameter, frequency) = hopf_point(|value| spectrum_at(&family, value), near, unit)?;
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
         let form = system.form();
         let born = Born::of(&form, frequency).map_err(|error| error.at("parameter", parameter))?;
@@ -259,47 +236,6 @@ impl Search<'_> {
         })?;
         BranchPoint::of(family, parameter, trial, kind)
     }
-}
-
-/// The Hopf point near a value of the parameter, with its frequency.
-fn hopf_point<S: Oscillator>(
-    family: &impl Fn(f64) -> Result<S, Error>,
-    near: f64,
-    unit: f64,
-) -> Result<(f64, f64), Error> {
-    let none = || Error::NoHopfPoint.at("parameter", near);
-    // The eigenvalue nearest another one.
-    let nearest = |parameter: f64, to: Option<Complex<f64>>| {
-        let values = spectrum_at(family, parameter)?;
-        let off = |value: &Complex<f64>| match to {
-            Some(to) => (value - to).norm(),
-            None => (value.re / value.im).abs(),
-        };
-        let oscillating = values.into_iter().filter(|value| value.im > 0.0);
-        let nearest = oscillating.min_by(|a, b| off(a).total_cmp(&off(b)));
-        nearest.ok_or_else(none)
-    };
-    let first = nearest(near, None)?;
-    if first.re.abs() > NEAR * first.im {
-        return Err(none());
-    }
-    let mut last = (near, first);
-    let mut next = near + INCREMENT * unit;
-    for _ in 0..MOST_STEPS {
-        let value = nearest(next, Some(last.1))?;
-        let step = -value.re * (next - last.0) / (value.re - last.1.re);
-        let is_done =
-            value.re.abs() <= f64::EPSILON * value.im || step.abs() <= f64::EPSILON * next.abs();
-        if is_done && value.re.abs() <= ROUNDING * value.im {
-            return Ok((next, value.im));
-        }
-        if !(step.is_finite() && (next + step - near).abs() <= unit) {
-            break;
-        }
-        last = (next, value);
-        next += step;
-    }
-    Err(none())
 }
 
 /// A motion that is born at a Hopf point, to first order.

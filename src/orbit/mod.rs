@@ -171,6 +171,7 @@
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
 // | `hold.rs` | motions with a contact held past a touch, which are smooth there |
 // | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
+// | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), the motions (`motions.rs`) and their starts (`start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
@@ -207,6 +208,7 @@ mod sensitivity;
 mod sequence;
 mod shoot;
 mod sides;
+mod spectrum;
 mod springs;
 mod sweep;
 mod switch;

@@ -7,6 +7,7 @@ use super::changes::{CurvePoint, FoundBifurcation, LocalCurve, Signs};
 use super::curve::{Curve, Plane, Solved, sharpest};
 use super::jump::LARGE;
 use super::locus::end::tangential_end;
+use super::spectrum::hopf_point;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
 use crate::numerics::trace::at_zero;
@@ -55,6 +56,9 @@ pub(super) const BLUNT: f64 = 0.3;
 
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+
+/// The error of this extrapolation, as a part of the parameter, is less than this.
+const HOPF_ERROR: f64 = 1e-7;
 
 /// The magnification of perturbations above which an arrival may be tangential, and the least ratio
 /// to its value at an earlier point.
@@ -313,7 +317,8 @@ impl Walk<'_, '_> {
     /// The Hopf point between two places, if the motion shrinks to a point there.
     ///
     /// The parameter is an even analytic function of the acceleration at the start: its value at 0
-    /// is that of the polynomial through four smaller motions.
+    /// is that of the polynomial through four smaller motions. It leads to the zero of the growth
+    /// rate of steady sliding.
     fn hopf(
         &self,
         view: &LocalCurve<'_, '_>,
@@ -347,7 +352,13 @@ impl Walk<'_, '_> {
             }
             known.push([turn(&near).powi(2), curve.parameter(&near.solved.y)]);
         }
-        let parameter = at_zero(&mut known);
+        let extrapolated = at_zero(&mut known);
+        let unit = extrapolated.abs();
+        let parameter = hopf_point(|value| curve.spectrum(value), extrapolated, unit)
+            .ok()
+            .map(|(exact, _)| exact)
+            .filter(|exact| (exact - extrapolated).abs() <= HOPF_ERROR * unit)
+            .unwrap_or(extrapolated);
         Some(Outcome::End(BranchEnd::Hopf { parameter }))
     }
 
