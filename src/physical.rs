@@ -11,6 +11,7 @@ use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
 use crate::motion::{Integrator, Trajectory};
 use crate::orbit::Criticality;
 use crate::scaling::{Physical, Scaling};
+use crate::series::TERMS;
 use crate::state::State;
 use crate::structure::{Contact, Structure};
 
@@ -100,9 +101,20 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Scaling::new`] and [`Scaling::system`], with speeds of the law in m/s.
+    /// The errors of [`Scaling::new`] and [`Scaling::system`], with speeds of the law in m/s;
+    /// [`Error::InvalidParameter`] if ω0 = √(K/M) is so large or small (about 10¹¹ or 10⁻¹¹ rad/s)
+    /// that power series of time in seconds overflow or underflow.
     pub fn new(physical: Physical, law: L) -> Result<Self, Error> {
         let scaling = Scaling::new(physical)?;
+        let highest = scaling.angular_frequency().powi(TERMS as i32);
+        Error::check(
+            "Scaling",
+            "stiffness",
+            physical.stiffness,
+            highest.is_normal() && (highest * scaling.units().velocity()).is_normal(),
+            "√(stiffness/mass) between about 1e-11 and 1e11 rad/s; beyond, simulate a MassOnBelt, \
+             which is dimensionless, and convert by Scaling",
+        )?;
         let system = scaling.system(law);
         let system = system.map_err(|error| error.in_units(scaling.units()))?;
         Ok(Self { scaling, system })

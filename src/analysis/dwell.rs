@@ -16,7 +16,7 @@
 //! F_s is concave, so there is at most one cycle, and it is stable. If static friction begins at
 //! F_s(0) = F_k, the cycle exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt velocities
 //! below **v_c = 2 F_s'(0)/k**. In the following table ΔF = N(μ_∞ − μ_0) and F_0 = N(μ_0 − μ_k),
-//! with the constants μ_0, μ_∞, θ_c and B of the law [`Dwell`](crate::Dwell):
+//! with the constants μ_0, μ_∞, θ_c and B of the law [`Dwell`]:
 //!
 //! | form | v_c for F_0 = 0 | θ* |
 //! |---|---|---|

@@ -359,6 +359,44 @@ fn motions_end_where_they_shall_in_si_units() {
     assert_eq!(until(Integrator::new(), &mut |_| None), whole);
 }
 
+/// Coefficients of time to the 26th power have ω0²⁶ in them.
+#[test]
+fn frequencies_are_those_of_which_powers_are_numbers() {
+    let of = |mass: f64| {
+        let pad = Physical {
+            mass,
+            damping: PAD.damping * (mass / PAD.mass).sqrt(),
+            belt_velocity: PAD.belt_velocity * (PAD.mass / mass).sqrt(),
+            ..PAD
+        };
+        PhysicalMassOnBelt::new(pad, law_of(0.4))
+    };
+    for mass in [1e-50, 1e-22, 1e29, 1e50] {
+        let found = of(mass);
+        let Err(Error::InvalidParameter { name, value, .. }) = found else {
+            panic!("{mass}: {found:?}")
+        };
+        assert_eq!((name, value), ("stiffness", PAD.stiffness), "{mass}");
+    }
+    for mass in [1e-15, 1.0, 1e20] {
+        let brake = of(mass).unwrap();
+        let seconds = brake.scaling().seconds(30.0);
+        let start = (1e-3, 0.0);
+        let motion = brake.simulate(start, seconds).unwrap();
+        let same = brake.scaling().dimensionless_state(start);
+        let same = brake.dimensionless().simulate(same, 30.0).unwrap();
+        for part in [0.013, 0.4, 1.0] {
+            let [here, there] = [
+                motion.state_at(part * seconds).unwrap(),
+                brake
+                    .scaling()
+                    .physical_state(same.state_at(part * 30.0).unwrap()),
+            ];
+            assert_relative_eq!(here.displacement, there.displacement, max_relative = 1e-12);
+        }
+    }
+}
+
 /// The numbers that a user gave come back to the bit, also those that overflow on the way.
 #[test]
 fn errors_hold_what_was_given() {
