@@ -4,7 +4,6 @@ use super::equilibrium::Equilibrium;
 use crate::error::Error;
 use crate::friction::slip::Equation;
 use crate::friction::{Law, Values, finite_at};
-use crate::series::PowerSeries;
 use crate::state::{Direction, State};
 
 /// The parameters of a system. They are checked against the law's values alone: a program that only
@@ -127,13 +126,14 @@ impl<'s> Belt<'s> {
 
     /// The constants of slip in a direction.
     #[inline]
-    pub(crate) fn equation(&self, direction: Direction) -> Equation<'_> {
+    pub(crate) fn equation(&self, direction: Direction) -> Equation {
         Equation {
             stiffness: 1.0,
             damping: 2.0 * self.parameters.damping,
             load: self.parameters.load,
             belt: direction.sign() * self.parameters.belt_velocity,
-            given: &PowerSeries::ZERO,
+            pull: 0.0,
+            drift: 0.0,
         }
     }
 

@@ -83,7 +83,7 @@ impl Expander {
     fn expand_one<L: FrictionLaw>(
         &mut self,
         piece: Piece<'_, L>,
-        equation: &Equation<'_>,
+        equation: &Equation,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
@@ -110,7 +110,7 @@ impl Expander {
     fn expand_by<L: FrictionLaw, const UNROLLED: bool>(
         &mut self,
         piece: Piece<'_, L>,
-        equation: &Equation<'_>,
+        equation: &Equation,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
@@ -128,7 +128,8 @@ impl Expander {
             damping,
             load,
             belt,
-            given,
+            pull,
+            drift,
         } = equation;
         let Self {
             series, workspace, ..
@@ -156,7 +157,7 @@ impl Expander {
                     return along[1];
                 }
                 let spring = stiffness * (sigma * from.displacement);
-                let equation = given[0] - spring - damping * (s + belt) - load * m.rest;
+                let equation = -spring - pull - damping * (s + belt) - load * m.rest;
                 return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
@@ -164,7 +165,11 @@ impl Expander {
                 return along[k + 1];
             }
             // x_1 = s_0 + σv_b
-            let spring = mul_add(weight * INTEGRAL[k - 1], stiffness * older, given[k]);
+            let spring = if k == 1 {
+                weight * (stiffness * older + drift)
+            } else {
+                weight * INTEGRAL[k - 1] * (stiffness * older)
+            };
             older = s;
             let next = mul_add(weight * decay, s, spring);
             let next = mul_add(weight * load * m.scale, m.rest, next);
@@ -204,8 +209,9 @@ impl Expander {
     }
 }
 
-/// The equation of slip of one mass, s' = −κx − d(s + σw) − Nμ̂(s) + g(t), x' = s + σw.
-pub(crate) struct Equation<'a> {
+/// The constants of the equation of slip of one mass, s' = −κx − p − ρt − d(s + σw) −
+/// Nμ̂(s).
+pub(crate) struct Equation {
     /// κ; 1 in the units of a mass on a belt.
     pub(crate) stiffness: f64,
     /// d; 2β.
@@ -214,8 +220,10 @@ pub(crate) struct Equation<'a> {
     pub(crate) load: f64,
     /// σw; σv_b.
     pub(crate) belt: f64,
-    /// The contribution of g to the series of s: coefficient k of g divided by k + 1; 0.
-    pub(crate) given: &'a PowerSeries,
+    /// p: the pull of neighbours at the start; 0.
+    pub(crate) pull: f64,
+    /// ρ: how fast that grows, for neighbours that move steadily; 0.
+    pub(crate) drift: f64,
 }
 
 /// The expansion of the motion about a point, as a visitor of the law.
@@ -223,7 +231,7 @@ pub(crate) struct Expansion<'a> {
     pub(crate) expander: &'a mut Expander,
     /// Index of the piece of the law.
     pub(crate) piece: usize,
-    pub(crate) equation: &'a Equation<'a>,
+    pub(crate) equation: &'a Equation,
     pub(crate) from: &'a SlipPoint,
     pub(crate) time: Time,
     /// If a series of the sliding speed is given, in any unit of time, only the friction is

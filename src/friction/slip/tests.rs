@@ -15,7 +15,6 @@ fn used() -> Expander {
 /// dispatch, and by jets.
 fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
     let slow = PowerSeries::from_fn(|k| 0.4 * 0.3_f64.powi(k as i32));
-    let given = PowerSeries::from_fn(|k| 0.125 * (-0.5_f64).powi(k as i32));
     let points = [
         (Direction::Lagging, 0.3, 0.0, Some(0.1)),
         (Direction::Lagging, -0.7, 1.0, None),
@@ -38,7 +37,8 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
                 damping: 0.1,
                 load: 1.0,
                 belt: 0.2 * direction.sign(),
-                given: &given,
+                pull: 0.0,
+                drift: 0.125,
             };
             let piece = Piece { law, index: 0 };
             let [mut dispatched, mut unrolled, mut jets] = [used(), used(), used()];
@@ -130,7 +130,8 @@ fn both_ways_refuse_a_law_that_gives_no_number() {
         damping: 0.0,
         load: 1.0,
         belt: 1.0,
-        given: &PowerSeries::ZERO,
+        pull: 0.0,
+        drift: 0.0,
     };
     for (speed, is_number) in [(0.5, true), (2.0, false)] {
         let from = SlipPoint {

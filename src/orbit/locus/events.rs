@@ -16,7 +16,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::form::GeneralForm;
 use super::super::hold::{Touch, speeds};
-use super::super::map::{CLOSED, StepsAndTouches, vector};
+use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::CurveOfMotions;
@@ -196,35 +196,31 @@ impl EventCurve<'_> {
     /// The motion with its residual, without its derivative.
     fn steps(&self, y: &DVector<f64>, near: &Held) -> Result<Held, Error> {
         let (motions, begin) = (&self.motions, &near.begin);
-        let found = motions.steps(
-            y,
-            begin,
-            |form, start, (steps, touches): StepsAndTouches, _| {
-                let Some(seen) = self.seen(form, (&steps, &touches), begin) else {
-                    return Ok(None);
-                };
-                let start = vector(&start, motions.order);
-                let end = steps.last().map(Segment::end_state).unwrap_or_default();
-                let mut residual = vector(&end, motions.order) - &start;
-                near.trial.map.untranslated(&mut residual);
-                let depends = &near.trial.map.depends;
-                let first = motions.order - depends.len();
-                for (j, depends) in depends.iter().enumerate() {
-                    if !depends {
-                        residual[first + j] = 0.0;
-                    }
+        let found = motions.steps(y, begin, |form, start, (steps, touches), _| {
+            let Some(seen) = self.seen(form, (&steps, &touches), begin) else {
+                return Ok(None);
+            };
+            let start = vector(&start, motions.order);
+            let end = steps.last().map(Segment::end_state).unwrap_or_default();
+            let mut residual = vector(&end, motions.order) - &start;
+            near.trial.map.untranslated(&mut residual);
+            let depends = &near.trial.map.depends;
+            let first = motions.order - depends.len();
+            for (j, depends) in depends.iter().enumerate() {
+                if !depends {
+                    residual[first + j] = 0.0;
                 }
-                let events = steps.iter().flat_map(Segment::events);
-                let events = events.map(|event| (event.contact, event.kind)).collect();
-                Ok(Some(Held {
-                    start,
-                    residual,
-                    scalar: seen.scalar,
-                    events,
-                    ..near.clone()
-                }))
-            },
-        );
+            }
+            let events = steps.iter().flat_map(Segment::events);
+            let events = events.map(|event| (event.contact, event.kind)).collect();
+            Ok(Some(Held {
+                start,
+                residual,
+                scalar: seen.scalar,
+                events,
+                ..near.clone()
+            }))
+        });
         found?.ok_or_else(|| motions.lost(y, &near.trial))
     }
 

@@ -33,15 +33,13 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let braking = dampers.iter();
     let braking = braking.map(|&(j, a)| a * coordinates[j].motion.velocity(0));
     let held = pull(springs, coordinates, 0) + braking.sum::<f64>();
-    let mut given = PowerSeries::ZERO;
-    given[0] = side * (coordinates[i].force[0] - held);
-    given[1] = -side * pull(springs, coordinates, 1) * INTEGRAL[1];
     let equation = Equation {
         stiffness: spring,
         damping,
         load: contacts[c].load[0],
         belt: side * contacts[c].surface[0],
-        given: &given,
+        pull: side * (held - coordinates[i].force[0]),
+        drift: side * pull(springs, coordinates, 1),
     };
     let from = SlipPoint {
         direction: side_of(side),
