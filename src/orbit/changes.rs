@@ -3,11 +3,12 @@
 use nalgebra::{Complex, DVector};
 
 use super::branch::BifurcationKind;
-use super::curve::{Curve, FINE, Plane, Solved};
+use super::curve::{Curve, FINE, Solved};
 use super::map::CLOSED;
 use super::sides::Sides;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
+use crate::numerics::trace::Plane;
 
 /// A point of the curve, and its distance along the tangent of the last one.
 #[derive(Clone)]
@@ -93,19 +94,20 @@ impl LocalCurve<'_, '_> {
         guess: &DVector<f64>,
         near: &Solved,
     ) -> Result<CurvePoint, Error> {
-        let solved = self.curve.solve(guess, near, &self.across(distance))?;
+        let plane = self.across(self.base, &self.base.tangent, distance);
+        let solved = self.curve.solve(guess, near, &plane)?;
         Ok(CurvePoint { distance, solved })
     }
 
-    /// The plane across the tangent at the last point, at a distance.
-    pub(super) fn across(&self, distance: f64) -> Plane<'_> {
-        let normal = self.curve.measured(&self.base.tangent);
-        Plane {
-            scale: self.scale,
-            value: normal.dot(&self.scaled(self.base)) + distance,
-            along: &self.base.tangent,
-            normal,
-        }
+    /// The plane across a direction, at a distance from a point.
+    pub(super) fn across<'a>(
+        &'a self,
+        from: &Solved,
+        along: &'a DVector<f64>,
+        distance: f64,
+    ) -> Plane<'a> {
+        let normal = self.curve.measured(along);
+        Plane::beyond(&from.y, distance, normal, along, self.scale)
     }
 
     /// The point at which the parameter has a value.
@@ -116,16 +118,9 @@ impl LocalCurve<'_, '_> {
         near: &Solved,
     ) -> Result<CurvePoint, Error> {
         let last = self.curve.unknowns() - 1;
-        let mut normal = DVector::zeros(last + 1);
-        normal[last] = 1.0;
         let mut guess = guess.clone();
         guess[last] = parameter;
-        let plane = Plane {
-            scale: self.scale,
-            normal,
-            value: parameter / self.scale[last],
-            along: &self.base.tangent,
-        };
+        let plane = Plane::with_value(last, parameter, &self.base.tangent, self.scale);
         let mut solved = self.curve.solve(&guess, near, &plane)?;
         solved.y[last] = parameter;
         let moved = self.scaled(&solved) - self.scaled(self.base);

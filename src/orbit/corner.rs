@@ -5,7 +5,7 @@
 use nalgebra::DVector;
 
 use super::changes::{CurvePoint, FoundBifurcation, LocalCurve};
-use super::curve::{Plane, Solved};
+use super::curve::Solved;
 use super::sequence::Sequence;
 use super::trial::TrialMotion;
 
@@ -126,13 +126,7 @@ impl LocalCurve<'_, '_> {
         along: &DVector<f64>,
         distance: f64,
     ) -> Option<CurvePoint> {
-        let normal = self.curve.measured(along);
-        let plane = Plane {
-            scale: self.scale,
-            value: normal.dot(&self.scaled(from)) + distance,
-            along,
-            normal,
-        };
+        let plane = self.across(from, along, distance);
         let guess = &from.y + along.component_mul(self.scale) * distance;
         let solved = self.curve.solve(&guess, from, &plane).ok()?;
         let range = &self.curve.range;

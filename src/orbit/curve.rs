@@ -24,7 +24,7 @@ use super::translation::Turning;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
-use crate::numerics::trace::is_near;
+use crate::numerics::trace::{Plane, is_in_or_near};
 use crate::state::structure::State;
 
 /// One system of a family.
@@ -81,15 +81,6 @@ pub(super) struct Solved {
     pub(super) steps: usize,
     /// The modes of the contacts at the start.
     pub(super) modes: Vec<Mode>,
-}
-
-/// A plane: normal·(y/scale) = value.
-pub(super) struct Plane<'p> {
-    pub(super) scale: &'p DVector<f64>,
-    pub(super) normal: DVector<f64>,
-    pub(super) value: f64,
-    /// The tangent of the curve at its last point.
-    pub(super) along: &'p DVector<f64>,
 }
 
 /// Limit of the motions tried in one direction.
@@ -166,12 +157,11 @@ impl Curve<'_> {
     }
 
     fn member(&self, parameter: f64) -> Result<Box<dyn FamilyMember + '_>, Error> {
-        let is_near = is_near(&self.range, parameter);
         Error::check(
             "orbit::follow",
             "parameter",
             parameter,
-            is_near,
+            is_in_or_near(&self.range, parameter),
             "inside its range",
         )
         .and_then(|parameter| (self.family)(parameter))
@@ -282,8 +272,7 @@ impl Curve<'_> {
                 Ok((map::passage(form, &start, period)?, start))
             });
             let ((end, passed), start) = found.ok()?;
-            let mut miss = vector(&end, self.order) - vector(&start, self.order);
-            trial.map.untranslated(&mut miss);
+            let miss = trial.map.residual_near(&start, &end);
             Some((beside[last] - y[last], miss, passed == events))
         };
         let mut slope = DVector::zeros(self.order);
@@ -308,12 +297,6 @@ impl Curve<'_> {
             }
             if any {
                 break;
-            }
-        }
-        let first = self.order - trial.map.depends.len();
-        for (j, depends) in trial.map.depends.iter().enumerate() {
-            if !depends {
-                slope[first + j] = 0.0;
             }
         }
         slope
@@ -383,8 +366,7 @@ impl Curve<'_> {
             let (mut matrix, mut right) = self.linearised(&y, &trial, slope, plane.scale);
             let last = self.unknowns() - 1;
             matrix.row_mut(last).copy_from(&plane.normal.transpose());
-            let place = plane.normal.dot(&y.component_div(plane.scale));
-            right[last] = plane.value - place;
+            right[last] = plane.missed_by(&y);
             let Some(change) = solution(&matrix, &right) else {
                 return Err(self.lost(&y, &trial));
             };
@@ -425,7 +407,7 @@ impl Curve<'_> {
             let residual = self.residual(&y, near).ok()?;
             let mut right = map.closing_by(&residual, last + 1);
             self.turn_in(&mut right, &y, plane.scale);
-            right[last] = plane.value - plane.normal.dot(&y.component_div(plane.scale));
+            right[last] = plane.missed_by(&y);
             let change = solution(&matrix, &right)?;
             let size = self.largest(&change, plane.scale, &near.trial);
             if size.is_nan() || size > before {
@@ -443,9 +425,7 @@ impl Curve<'_> {
         self.with(y, |form, period| {
             let start = self.start(form, y, &near.modes);
             let (end, _) = map::passage(form, &start, period)?;
-            let mut residual = vector(&end, self.order) - vector(&start, self.order);
-            near.trial.map.untranslated(&mut residual);
-            Ok(residual)
+            Ok(near.trial.map.residual_near(&start, &end))
         })
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, FamilyMember, Plane, Solved, sharpest};
+use super::curve::{Curve, FamilyMember, Solved, sharpest};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -14,6 +14,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
+use crate::numerics::trace::Plane;
 use crate::state::structure::State;
 
 /// Follows a periodic motion over a parameter, in both directions and through folds, until the
@@ -22,7 +23,8 @@ use crate::state::structure::State;
 /// `family` returns the system for a value of the parameter. The parameter may be anything that a
 /// closure can set: a belt velocity, a load, a damper, a coefficient of a law, the frequency of a
 /// force. `from` is a motion of the family at the value `parameter`, which lies in the range. Both
-/// ends belong to the range.
+/// ends belong to the range. Newton's method may call `family` outside the range, at most 1/64 of
+/// the range's width away from it.
 ///
 /// The unknowns are the start x(0), the period T of an autonomous motion, and the parameter p. They
 /// satisfy
@@ -304,15 +306,9 @@ fn first(curve: &Curve<'_>, start: &State, period: f64, parameter: f64) -> Resul
     }
     let scale = natural_scale(curve, &guess);
     let last = curve.unknowns() - 1;
-    let unit =
-        |others: f64| DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { others });
-    let plane = Plane {
-        scale: &scale,
-        normal: unit(0.0),
-        value: parameter / scale[last],
-        // Along the parameter, but at a fold along the others.
-        along: &unit(0.001),
-    };
+    // Along the parameter, but at a fold along the others.
+    let along = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.001 });
+    let plane = Plane::with_value(last, parameter, &along, &scale);
     let mut first = curve.solve(&guess.y, &guess, &plane)?;
     first.y[last] = parameter;
     if first.tangent[last] < 0.0 {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::branch::BranchPoint;
-use super::curve::{Curve, Plane};
+use super::curve::Curve;
 use super::form::GeneralForm;
 use super::map::{state, vector};
 use super::oscillator::Oscillator;
@@ -20,6 +20,7 @@ use super::walk::natural_scale;
 use crate::error::Error;
 use crate::numerics::bracket::{Bracket, border};
 use crate::numerics::eigenvalues::balance;
+use crate::numerics::trace::Plane;
 use crate::state::structure::State;
 use crate::structure::sliding_field::SlidingField;
 

@@ -94,7 +94,20 @@ impl PeriodMap {
 
     /// The residual: end minus start; 0 for variables on which nothing depends.
     pub(super) fn residual(&self) -> DVector<f64> {
-        let mut residual = vector(&self.end, self.order()) - vector(&self.start, self.order());
+        let [start, end] = [&self.start, &self.end].map(|state| vector(state, self.order()));
+        self.without_idle(end - start)
+    }
+
+    /// The residual of a motion near this one.
+    pub(super) fn residual_near(&self, start: &State, end: &State) -> DVector<f64> {
+        let [start, end] = [start, end].map(|state| vector(state, self.order()));
+        let mut residual = end - start;
+        self.untranslated(&mut residual);
+        self.without_idle(residual)
+    }
+
+    /// A residual with 0 for variables on which nothing depends.
+    fn without_idle(&self, mut residual: DVector<f64>) -> DVector<f64> {
         let first = self.order() - self.depends.len();
         for (j, depends) in self.depends.iter().enumerate() {
             if !depends {

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, BranchPoint, Criticality};
 use super::changes::LocalCurve;
-use super::curve::{Curve, Plane, Solved};
+use super::curve::{Curve, Solved};
 use super::follow::anchor;
 use super::found::Orbit;
 use super::map::vector;
@@ -16,6 +16,7 @@ use super::symmetry::HalfMap;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::error::Error;
+use crate::numerics::trace::Plane;
 use crate::state::structure::State;
 
 /// Distances from the bifurcation at which the other branch is met, in units of the sizes. The

@@ -4,13 +4,13 @@ use nalgebra::DVector;
 
 use super::branch::{BifurcationKind, BranchEnd};
 use super::changes::{CurvePoint, FoundBifurcation, LocalCurve, Signs};
-use super::curve::{Curve, Plane, Solved, sharpest};
+use super::curve::{Curve, Solved, sharpest};
 use super::jump::LARGE;
 use super::locus::end::tangential_end;
 use super::spectrum::hopf_point;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
-use crate::numerics::trace::at_zero;
+use crate::numerics::trace::{Plane, at_zero};
 use crate::state::structure::State;
 
 /// One half of a branch.
@@ -57,7 +57,7 @@ pub(super) const BLUNT: f64 = 0.3;
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// The error of this extrapolation, as a part of the parameter, is less than this.
+/// The error of this extrapolation, in units of the range, is less than this.
 const HOPF_ERROR: f64 = 1e-7;
 
 /// The magnification of perturbations above which an arrival may be tangential, and the least ratio
@@ -270,7 +270,8 @@ impl Walk<'_, '_> {
         let parameter = curve.parameter(&guess);
         let range = &curve.range;
         let mut place = if (range.start..=range.end).contains(&parameter) {
-            let nearer = curve.nearer(guess.clone(), base, &view.across(length));
+            let plane = view.across(base, &base.tangent, length);
+            let nearer = curve.nearer(guess.clone(), base, &plane);
             view.at(length, nearer.as_ref().unwrap_or(&guess), base)?
         } else {
             let end = parameter.clamp(range.start, range.end);
@@ -353,7 +354,7 @@ impl Walk<'_, '_> {
             known.push([turn(&near).powi(2), curve.parameter(&near.solved.y)]);
         }
         let extrapolated = at_zero(&mut known);
-        let unit = extrapolated.abs();
+        let unit = curve.width();
         let parameter = hopf_point(|value| curve.spectrum(value), extrapolated, unit)
             .ok()
             .map(|(exact, _)| exact)
@@ -441,14 +442,8 @@ impl Walk<'_, '_> {
         let scale = self.scale(&guess);
         let mut along = tangent.component_div(&scale);
         along.rows_mut(0, curve.order).fill(0.0);
-        let mut normal = DVector::zeros(last + 1);
-        normal[last] = 1.0;
-        let plane = Plane {
-            scale: &scale,
-            value: parameter / scale[last],
-            normal,
-            along: &along.normalize(),
-        };
+        along.normalize_mut();
+        let plane = Plane::with_value(last, parameter, &along, &scale);
         let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
         Some((solved, scale))
     }

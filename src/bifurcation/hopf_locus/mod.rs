@@ -246,18 +246,12 @@ impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> GridSearch<'_, S, F> {
         let begun = self.points.begun(place, nearest.im).ok()?;
         let guess = DVector::from_column_slice(&[place[0], place[1], nearest.im]);
         let scale = self.points.scale(&guess, &begun);
-        let mut normal = DVector::zeros(3);
-        normal[1 - which] = 1.0;
-        let value = guess[1 - which] / scale[1 - which];
-        let plane = |along| Plane {
-            scale: &scale,
-            normal: normal.clone(),
-            value,
-            along,
-        };
+        let fixed = 1 - which;
         // In the direction of the edge's normal, or along the edge.
-        let along = DVector::from_element(3, 0.001) + &normal;
-        let point = solve(&self.points, &guess, &begun, &plane(&along)).ok()?;
+        let mut along = DVector::from_element(3, 0.001);
+        along[fixed] += 1.0;
+        let plane = Plane::with_value(fixed, guess[fixed], &along, &scale);
+        let point = solve(&self.points, &guess, &begun, &plane).ok()?;
         let inside = [0, 1].into_iter().all(|i| {
             let range = &self.points.ranges[i];
             (range.start..=range.end).contains(&point.y[i])
@@ -281,12 +275,7 @@ impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> GridSearch<'_, S, F> {
                     return false;
                 }
                 let along = step.normalize();
-                let plane = Plane {
-                    scale: &point.scale,
-                    value: along.dot(&there),
-                    normal: along.clone(),
-                    along: &along,
-                };
+                let plane = Plane::beyond(&point.y, 0.0, along.clone(), &along, &point.scale);
                 let guess = &pair[0].y * (1.0 - done) + &pair[1].y * done;
                 let near = &pair[0].value;
                 let found = solve(&self.points, &guess, near, &plane);

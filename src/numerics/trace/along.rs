@@ -98,12 +98,8 @@ impl<E: Equations> LocalCurve<'_, E> {
         near: &E::Value,
     ) -> Result<TracePoint<E::Value>, Error> {
         let base = self.base;
-        let plane = Plane {
-            scale: &base.scale,
-            normal: base.tangent.clone(),
-            value: base.tangent.dot(&base.y.component_div(&base.scale)) + distance,
-            along: &base.tangent,
-        };
+        let (along, scale) = (&base.tangent, &base.scale);
+        let plane = Plane::beyond(&base.y, distance, along.clone(), along, scale);
         let point = solve(self.equations, guess, near, &plane)?;
         Ok(TracePoint { distance, point })
     }
@@ -129,16 +125,9 @@ impl<E: Equations> LocalCurve<'_, E> {
         near: &E::Value,
     ) -> Result<TracePoint<E::Value>, Error> {
         let (base, place) = (self.base, self.equations.parameters()[which]);
-        let mut normal = DVector::zeros(guess.len());
-        normal[place] = 1.0;
         let mut guess = guess.clone();
         guess[place] = value;
-        let plane = Plane {
-            scale: &base.scale,
-            value: value / base.scale[place],
-            normal,
-            along: &base.tangent,
-        };
+        let plane = Plane::with_value(place, value, &base.tangent, &base.scale);
         let mut point = solve(self.equations, &guess, near, &plane)?;
         point.y[place] = value;
         let moved = (&point.y - &base.y).component_div(&base.scale);
@@ -372,12 +361,7 @@ fn moved<E: Equations>(equations: &E, point: &Point<E::Value>) -> Option<Point<E
         along[i] = point.tangent[i] * point.scale[i] / scale[i];
     }
     let along = along.try_normalize(0.0)?;
-    let plane = Plane {
-        scale: &scale,
-        value: along.dot(&y.component_div(&scale)),
-        normal: along.clone(),
-        along: &along,
-    };
+    let plane = Plane::beyond(&y, 0.0, along.clone(), &along, &scale);
     solve(equations, &y, &value, &plane).ok()
 }
 

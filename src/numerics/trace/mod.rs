@@ -109,6 +109,46 @@ pub(crate) struct Plane<'p> {
     pub(crate) along: &'p DVector<f64>,
 }
 
+impl<'p> Plane<'p> {
+    /// The plane with a normal, at a distance from a point.
+    pub(crate) fn beyond(
+        y: &DVector<f64>,
+        distance: f64,
+        normal: DVector<f64>,
+        along: &'p DVector<f64>,
+        scale: &'p DVector<f64>,
+    ) -> Self {
+        Self {
+            value: normal.dot(&y.component_div(scale)) + distance,
+            scale,
+            normal,
+            along,
+        }
+    }
+
+    /// The plane on which one unknown has a value.
+    pub(crate) fn with_value(
+        place: usize,
+        value: f64,
+        along: &'p DVector<f64>,
+        scale: &'p DVector<f64>,
+    ) -> Self {
+        let mut normal = DVector::zeros(scale.len());
+        normal[place] = 1.0;
+        Self {
+            value: value / scale[place],
+            scale,
+            normal,
+            along,
+        }
+    }
+
+    /// The distance of the plane from a point, along the normal.
+    pub(crate) fn missed_by(&self, y: &DVector<f64>) -> f64 {
+        self.value - self.normal.dot(&y.component_div(self.scale))
+    }
+}
+
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
 
@@ -177,7 +217,7 @@ fn with_row(jacobian: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
 }
 
 /// Returns true if a parameter lies in its range or little outside.
-pub(crate) fn is_near(range: &Range<f64>, parameter: f64) -> bool {
+pub(crate) fn is_in_or_near(range: &Range<f64>, parameter: f64) -> bool {
     let margin = BEYOND * (range.end - range.start);
     (range.start - margin..=range.end + margin).contains(&parameter)
 }
@@ -202,7 +242,7 @@ pub(crate) fn solve<E: Equations>(
         };
         let rows = residual.len();
         let mut right = (-&residual).insert_row(rows, 0.0);
-        right[rows] = plane.value - plane.normal.dot(&y.component_div(plane.scale));
+        right[rows] = plane.missed_by(&y);
         let Some(change) = solution(with_row(jacobian, &plane.normal), right) else {
             return Err(equations.lost(&y, &value));
         };
@@ -232,7 +272,7 @@ pub(crate) fn solve<E: Equations>(
         before = size;
         let next = &y + change.component_mul(plane.scale);
         let mut parameters = std::iter::zip(equations.parameters(), equations.ranges());
-        if !parameters.all(|(place, range)| is_near(range, next[place])) {
+        if !parameters.all(|(place, range)| is_in_or_near(range, next[place])) {
             return Err(equations.lost(&y, &value));
         }
         y = next;

@@ -17,17 +17,10 @@ pub(super) fn first_point<E: Equations>(
 ) -> Result<Point<E::Value>, Error> {
     let scale = curve.scale(y, near);
     let [first, second] = curve.parameters();
-    let mut normal = DVector::zeros(y.len());
-    normal[second] = 1.0;
     let mut along = DVector::from_element(y.len(), 0.001);
     along[first] = 1.0;
     along[second] = 1.0;
-    let plane = Plane {
-        scale: &scale,
-        value: y[second] / scale[second],
-        normal,
-        along: &along,
-    };
+    let plane = Plane::with_value(second, y[second], &along, &scale);
     let mut point = trace::solve(curve, y, near, &plane)?;
     point.y[second] = y[second];
     Ok(point)
@@ -58,13 +51,9 @@ fn meets<'f, E: CurveOfMotions<'f>>(
     let kind = curve.kind_with(&change)?;
     let near = curve.holding(&last.value, &change);
     let at = |distance: f64| {
-        let guess = &last.y + last.tangent.component_mul(&last.scale) * distance;
-        let plane = Plane {
-            scale: &last.scale,
-            value: last.tangent.dot(&last.y.component_div(&last.scale)) + distance,
-            normal: last.tangent.clone(),
-            along: &last.tangent,
-        };
+        let (along, scale) = (&last.tangent, &last.scale);
+        let guess = &last.y + along.component_mul(scale) * distance;
+        let plane = Plane::beyond(&last.y, distance, along.clone(), along, scale);
         let point = trace::solve(curve, &guess, &near, &plane).ok()?;
         let trial = E::motion(&point.value).0;
         let size = motions.with(motions.parameters(&point.y), |form| {

@@ -46,13 +46,8 @@ pub(in crate::orbit) fn tangential_end(
     let (begun, near) = events.begin(&y, &begin).ok()?;
     y = begun;
     let scale = events.scale(&y, &near);
-    let unit = |place: usize| DVector::from_fn(own + 2, |i, _| f64::from(u8::from(i == place)));
-    let plane = Plane {
-        scale: &scale,
-        normal: unit(own + 1),
-        value: 0.0,
-        along: &DVector::from_element(own + 2, 1.0),
-    };
+    let along = DVector::from_element(own + 2, 1.0);
+    let plane = Plane::with_value(own + 1, 0.0, &along, &scale);
     let point = trace::solve(&events, &y, &near, &plane).ok()?;
     let value = &point.value;
     let motions = &events.motions;

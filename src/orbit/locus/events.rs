@@ -200,21 +200,12 @@ impl EventCurve<'_> {
             let Some(seen) = self.seen(form, (&steps, &touches), begin) else {
                 return Ok(None);
             };
-            let start = vector(&start, motions.order);
             let end = steps.last().map(Segment::end_state).unwrap_or_default();
-            let mut residual = vector(&end, motions.order) - &start;
-            near.trial.map.untranslated(&mut residual);
-            let depends = &near.trial.map.depends;
-            let first = motions.order - depends.len();
-            for (j, depends) in depends.iter().enumerate() {
-                if !depends {
-                    residual[first + j] = 0.0;
-                }
-            }
+            let residual = near.trial.map.residual_near(&start, &end);
             let events = steps.iter().flat_map(Segment::events);
             let events = events.map(|event| (event.contact, event.kind)).collect();
             Ok(Some(Held {
-                start,
+                start: vector(&start, motions.order),
                 residual,
                 scalar: seen.scalar,
                 events,

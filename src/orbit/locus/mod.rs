@@ -41,7 +41,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// `family` returns the system for values of the two parameters, which may be anything that a
 /// closure can set. `at` is a bifurcation over the first parameter, found by
 /// [`follow`](super::follow); `second` is the value of the second parameter at which it was found.
-/// Both values lie in the given ranges.
+/// Both values lie in the given ranges. Newton's method may call `family` outside a range, at most
+/// 1/64 of its width away from it.
 ///
 /// The start x, the period T of an autonomous motion and both parameters p, q satisfy
 ///
