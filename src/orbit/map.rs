@@ -614,6 +614,22 @@ pub(super) fn held_period_map(
     })
 }
 
+/// The start of a closed motion with the memory of contacts that slip as it is after a release,
+/// where nothing depends on this memory; `None` if it is so already. Newton's method leaves such a
+/// memory as any of its trials had it.
+pub(super) fn released(form: &GeneralForm<'_>, map: &PeriodMap) -> Option<State> {
+    let first_modes = map.first_modes()?;
+    let mut start = map.start.clone();
+    for (c, contact) in form.model.contacts.iter().enumerate() {
+        let memory = form.model.memory(c);
+        let is_idle = !map.depends[memory.clone()].contains(&true);
+        if is_idle && form.holds(c) && matches!(first_modes[c], Mode::Slip(_)) {
+            contact.law.caught(&mut start.memory[memory]);
+        }
+    }
+    (start.memory != map.start.memory).then_some(start)
+}
+
 /// The period map of the same closed motion with another start, if the start is so near to an event
 /// that rounding decides on which side of the event the end lies; otherwise `None`.
 pub(super) fn begun_apart(

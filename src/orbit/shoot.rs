@@ -167,6 +167,10 @@ impl<'s> Problem<'s> {
         step: Option<&DVector<f64>>,
     ) -> Result<TrialMotion, Error> {
         if self.section.is_none() || found.returns(step) {
+            let found = match map::released(self.form, &found.map) {
+                Some(start) => self.trial(&start, found.period)?,
+                None => found,
+            };
             // A start with nearly the belt's velocity can slip although the end sticks.
             let apart = map::begun_apart(self.form, &found.map, found.period)?;
             return match apart {

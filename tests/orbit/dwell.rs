@@ -257,3 +257,19 @@ fn a_branch_enters_stick_from_a_motion_that_only_slips() {
         );
     }
 }
+
+/// A motion that always slips has the time in stick 0, whatever the guess has.
+#[test]
+fn a_motion_that_only_slips_has_not_stuck() -> Result<(), Error> {
+    let falling = Exponential::new(0.6, 0.3, 0.4)?;
+    let system = block(&Dwell::exponential(falling, 0.9, 2.0)?, 0.02, 1.0);
+    for rest in [0.0, 1e-30, -0.3, 5.0, 1e9] {
+        let guess = State::new(&[0.3], &[0.6]).with_memory(&[rest]);
+        let orbit = shoot(&system, &guess, Period::Free(6.28))?;
+        assert!(!sticks(&orbit));
+        assert_eq!(orbit.state().memory, [0.0]);
+        assert_eq!(orbit.trajectory().last().memory, [0.0]);
+        assert!((orbit.multipliers()[0].re - 1.0981305946699447).abs() < 1e-12);
+    }
+    Ok(())
+}
