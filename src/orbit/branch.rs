@@ -11,13 +11,14 @@ use crate::error::Error;
 use crate::motion::{EventKind, System};
 use crate::state::Direction;
 
-/// A branch: periodic motions over a parameter, followed in both directions from one motion.
+/// The periodic motions over a parameter that [`follow`](super::follow()) finds in both directions
+/// from one motion.
 #[non_exhaustive]
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
-    /// The bifurcations between the motions, in the same order. If the branch ends at a grazing,
-    /// this grazing is stored here too, as the first or the last entry.
+    /// The bifurcations between the motions, in the order of `points`. If the branch ends at a
+    /// grazing, the list also contains this grazing, as the first or the last entry.
     pub bifurcations: Vec<Bifurcation<S>>,
     /// The reasons why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
@@ -40,8 +41,8 @@ pub struct Bifurcation<S: System> {
     pub parameter: f64,
     /// The kind of bifurcation.
     pub kind: BifurcationKind,
-    /// The motion at the bifurcation; at a change of the event sequence, the motion on the side on
-    /// which perturbations grow less within a period.
+    /// The motion at the bifurcation. At a change of the event sequence there is a motion on each
+    /// side; this is the one in which perturbations grow less within a period.
     pub orbit: Orbit<S>,
     /// The number of the last point of the branch before it.
     pub(super) behind: usize,
@@ -51,32 +52,37 @@ pub struct Bifurcation<S: System> {
 
 /// The kind of a [`Bifurcation`].
 ///
+/// Multipliers are the eigenvalues of the monodromy matrix: see [the page of this
+/// module](super#multipliers).
+///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 4 and 5 (fold, flip,
 /// Neimark-Sacker); di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth Dynamical
 /// Systems*, chapters 7 and 8 (grazing and sliding).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
     /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch that is
-    /// born at a flip or a pitchfork of another branch also turns back there; this point is
-    /// reported as a fold, too.
+    /// born at a flip or a pitchfork of another branch turns back at this point, which is reported
+    /// as a fold of the new branch.
     Fold,
-    /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
+    /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds this
+    /// motion.
     Flip,
     /// A multiplier of a symmetric motion is +1, but the branch continues. Two motions without the
-    /// symmetry, mirror images of each other, are born. [`Bifurcation::switch`] finds them.
+    /// symmetry, mirror images of each other, are born. [`Bifurcation::switch`] finds one of them.
     ///
     /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
-    /// At a pitchfork, the map over half a period followed by the reflection x → c − x has the
-    /// multiplier −1. (A symmetric motion has no flip: its multipliers are the squares of those of
-    /// this map. A multiplier −1 would be the square of i and of −i, and therefore double.)
+    /// Consider the map over half a period, followed by the reflection x → c − x. At a pitchfork
+    /// this map has the multiplier −1. (The multipliers of a symmetric motion are the squares of
+    /// those of this map. The motion therefore has no flip: a multiplier −1 would be the square of
+    /// i and of −i, and thus double.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: quasi-periodic motions on a torus are born.
     NeimarkSacker,
     /// A slipping contact reaches relative velocity 0 tangentially, or the force of a sticking
-    /// contact reaches its limit tangentially: two new events appear.
+    /// contact reaches its limit tangentially. Two new events appear.
     Grazing,
-    /// One event changes into others (a crossing into a stop, for example), or two events of
-    /// different contacts change their order.
+    /// One event changes into others (for example, a crossing into stick and release), or two
+    /// events of different contacts change their order.
     Sequence,
 }
 
@@ -101,10 +107,11 @@ impl fmt::Display for BifurcationKind {
 
 /// The side of a Hopf point, a flip or a pitchfork on which the new motions exist.
 ///
-/// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides. The amplitude A obeys the
-/// averaged equation A' = −½h1 A − (3/8)h3 A³, where h1 is the damping of steady sliding and h3 =
-/// γ²·μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law). For a Hopf point of a
-/// structure, the sign of the first Lyapunov coefficient decides.
+/// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides: the third derivative of
+/// the kinetic friction coefficient μ̂(s) at the belt velocity. The amplitude A obeys the averaged
+/// equation A' = −½h1 A − (3/8)h3 A³, where h1 is the damping of steady sliding, h3 =
+/// γ²·μ̂'''(v_b)/6, and γ² is the friction load (Eq. 12 of Farshidianfar and Noei Aghaee, for any
+/// law). For a Hopf point of a structure, the sign of the first Lyapunov coefficient decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -118,7 +125,8 @@ pub enum Criticality {
     /// The new motions are unstable and exist where the old motion is still stable (for a mass on a
     /// belt: μ̂'''(v_b) < 0).
     Subcritical,
-    /// Not decided: the coefficient is NaN, or it is 0 and terms of higher order decide.
+    /// Not decided: the coefficient is NaN, or it is 0 and terms of higher order decide. For a flip
+    /// or a pitchfork: the multipliers do not determine the side.
     Degenerate,
 }
 
@@ -138,75 +146,81 @@ impl fmt::Display for Criticality {
 pub enum BranchEnd {
     /// The parameter reached an end of the range.
     Range,
-    /// The motion shrank to an equilibrium that changes its stability there: a Hopf bifurcation.
+    /// The motion shrank to an equilibrium that changes its stability at this parameter: a Hopf
+    /// bifurcation.
     Hopf {
-        /// The parameter of the Hopf bifurcation, at which the growth rate of steady sliding is 0:
-        /// to rounding if its eigenvalues are found there, otherwise extrapolated from four small
-        /// motions, with an error of about 1e-9 of the range.
+        /// The parameter of the Hopf bifurcation, at which the growth rate of steady sliding is 0.
+        /// It is exact to rounding if it is found from the eigenvalues of steady sliding. Otherwise
+        /// it is extrapolated from four small motions, with an error of about 1e-9 of the range.
         parameter: f64,
     },
     /// An event of the motion became tangential, and the branch cannot continue. At the end of the
-    /// branch the relative velocity of a contact reaches 0 tangentially; beyond the end this
-    /// velocity does not reach 0.
+    /// branch the relative velocity of a contact reaches 0 tangentially. Beyond the end the
+    /// relative velocity does not reach 0.
     Grazing {
         /// The parameter of the end, to rounding. The motion at the end is stored as the first or
-        /// the last entry of [`Branch::bifurcations`]. The derivative of its period map is
-        /// unbounded: the first multiplier is infinite, and the others are NaN.
+        /// the last entry of [`Branch::bifurcations`]. The derivative of the period map is
+        /// unbounded there: the first multiplier is infinite, and the others are NaN.
         parameter: f64,
     },
-    /// The motion itself jumps as the parameter passes this value, and the branch cannot continue.
-    /// From one instant of the period on, the motions on the two sides have different modes at a
-    /// contact. There are two cases. In the first case the force of the contact, in stick or at the
-    /// start of stick, just reaches the static limit. Beyond the parameter the contact slips at
-    /// this instant, and its force jumps if static friction exceeds kinetic friction. In the second
-    /// case the relative velocity of the contact just reaches 0; beyond the parameter this velocity
-    /// does not reach 0. The multipliers do not show the jump in advance.
+    /// The motion jumps as the parameter passes this value, and the branch cannot continue. From
+    /// one instant of the period on, a contact has different modes in the motions on the two sides.
+    /// There are two cases:
+    ///
+    /// * In stick, or at the start of stick, the force of the contact just reaches the static
+    ///   limit. Beyond the parameter the contact slips at this instant. If static friction exceeds
+    ///   kinetic friction, the friction force jumps.
+    /// * The relative velocity of the contact just reaches 0. Beyond the parameter the relative
+    ///   velocity does not reach 0.
+    ///
+    /// The multipliers do not show the jump in advance.
     Discontinuity {
         /// The parameter at the jump.
         parameter: f64,
-        /// The time at which the motions on the two sides of the jump separate, since the start of
-        /// the period, in units of time.
+        /// The time at which the motions on the two sides of the jump separate, in units of time,
+        /// counted from the start of the period.
         time: f64,
         /// The contact at which the motions separate.
         contact: usize,
         /// The events of the last motion, by contact and kind.
         events: Vec<(usize, EventKind)>,
-        /// The events of the motion from the same start just beyond the parameter. If this list
+        /// The events of the motion that has the same start just beyond the parameter. If this list
         /// equals `events`, the time of an event at `contact` jumps.
         beyond: Vec<(usize, EventKind)>,
     },
-    /// The friction force of a contact that never slips reaches its limit, at one instant of the
-    /// period. Beyond this parameter the contact slips there in each period, and no slip in the
-    /// other direction takes this back: the motion is no longer periodic with this position of the
-    /// contact.
+    /// At one instant of the period, the friction force of a contact that never slips reaches its
+    /// limit. Beyond this parameter the contact slips at this instant in each period, and no slip
+    /// in the other direction compensates for this slip. The motion is then no longer periodic with
+    /// this position of the contact.
     ///
-    /// Motions in which a contact never slips form a continuum, and the branch consists of those
-    /// with one position of the contact. Beyond its end the slips change the position. Either they
-    /// become shorter and cease, and the position then belongs to another branch (shakedown; start
-    /// [`settle`](super::settle) from the last motion to find it), or they go on (ratcheting).
+    /// Motions in which a contact never slips form a continuum, and the branch consists of the
+    /// motions with one position of the contact. Beyond the end of the branch the slips change the
+    /// position. If the slips become shorter and cease, the contact has reached a position of
+    /// another branch (shakedown). To find that branch, start [`settle`](super::settle) from the
+    /// last motion. Otherwise the slips continue (ratcheting).
     ///
     /// Source: A. Klarbring, M. Ciavarella, J. R. Barber, "Shakedown in elastic contact problems
     /// with Coulomb friction", Int. J. Solids Struct. 44 (2007) 8355.
     OneWaySlip {
-        /// The parameter there, to rounding.
+        /// The parameter at this end, to rounding.
         parameter: f64,
         /// The contact.
         contact: usize,
-        /// The direction of the slip beyond.
+        /// The direction of the slip beyond the end.
         direction: Direction,
     },
     /// The branch is a closed curve: it returned to its start.
     Closed,
-    /// A limit of work was reached: 2048 points or 10⁷ steps in one direction
-    /// ([`Search`](super::Search) sets other limits), or 50 000 motions tried.
+    /// A limit of work was reached: 2048 points, 10⁷ integration steps or 50 000 motions tried, in
+    /// one direction. [`Search`](super::Search) sets other limits of points and steps.
     Work,
     /// The watcher stopped the search.
     Stopped {
         /// The last parameter at which a motion was found.
         parameter: f64,
     },
-    /// The motion was lost: the family has no system at the next parameter, or Newton's method does
-    /// not converge even with the shortest step.
+    /// The motion was lost: the family returns an error at the next parameter, or Newton's method
+    /// does not converge even with the shortest step.
     Lost {
         /// The last parameter at which a motion was found.
         parameter: f64,

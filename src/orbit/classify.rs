@@ -23,16 +23,18 @@ use crate::structure::{Flow, Step};
 /// The attractor that a motion reaches: see [`classify`].
 #[non_exhaustive]
 pub enum Attractor<S: System> {
-    /// Every mass is at rest, and every contact sticks for ever.
+    /// Every mass is at rest, and every contact sticks for ever. In a system that can be
+    /// [translated](super#motions-that-are-translated), masses may move at constant velocities.
     Rest,
-    /// Every mass is at rest, and contacts slide steadily.
+    /// Every mass is at rest, and contacts slide steadily. In a system that can be
+    /// [translated](super#motions-that-are-translated), masses may move at constant velocities.
     SteadySliding,
     /// A periodic motion in which no contact alternates between stick and slip.
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// No periodic motion within 16 returns (see [`classify`]) was found in 1.3·10⁵ steps: a
-    /// chaotic or quasi-periodic motion, or a transient that decays very slowly.
+    /// In 1.3·10⁵ steps no periodic motion within 16 returns (see [`classify`]) was found. The
+    /// motion is chaotic or quasi-periodic, or a transient decays very slowly.
     /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }
@@ -116,29 +118,30 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// motion with or without stick, or none of these.
 ///
 /// The motion is simulated until it stands still, or until its state nearly repeats after 1 to 16
-/// returns. A return is an event of one kind, a turning point of one coordinate, or a fixed phase
-/// of the drives. From a state at a return, [`shoot`] finds the periodic motion to rounding. This
-/// motion is the result if it is stable and differs from the simulated motion by at most 5 % of the
-/// extent. (An unstable motion is the result only if the simulated motion already repeats itself to
-/// 10⁻⁹ of the extent.) Otherwise the simulation continues. The result is therefore the attractor
-/// of this start; other starts may reach other attractors.
+/// returns. Returns are the events of one kind, the turning points of one coordinate, or, if drives
+/// vary, the times at which their phases are the same. [`shoot`] starts from the state at a return
+/// and finds the periodic motion to rounding. This motion is the result if it is stable and its
+/// state differs from the simulated one by at most 5 % of the extent of the motion. (An unstable
+/// motion is the result only if the simulated motion already repeats itself to 10⁻⁹ of its extent.)
+/// Otherwise the simulation continues. The result is therefore the attractor of this start; other
+/// starts may reach other attractors.
 ///
-/// Without a varying drive, the motion counts as steady sliding or rest if two conditions hold for
-/// at least 256 steps: no event happens, and all velocities are at most 10⁻⁶ of the largest
-/// velocity so far (of masses or belts). In a system that can be
-/// [translated](super#motions-that-are-translated), the velocities must be constant to this
-/// accuracy instead. A start exactly on an unstable equilibrium, or on an unstable periodic motion,
-/// stays there: perturb the start.
+/// If no drive varies, the motion counts as steady sliding or rest if two conditions hold for at
+/// least 256 steps: no event happens, and no velocity is larger than 10⁻⁶ of the largest velocity
+/// of a mass or a belt so far. If the system can be
+/// [translated](super#motions-that-are-translated), the second condition is that all velocities are
+/// constant to this accuracy. A start exactly on an unstable equilibrium, or on an unstable
+/// periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
-/// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound
-/// and takes a watcher. For one mass on a belt,
+/// [`shoot`]. A motion that needs more work counts as irregular. [`Search::classify`] sets another
+/// bound and accepts a watcher. For one mass on a belt,
 /// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
 /// simulation.
 ///
 /// # Errors
 ///
-/// [`Error::NoCommonPeriod`] if the drives vary without a common period; the errors of
+/// [`Error::NoCommonPeriod`] if the drives vary without a common period; otherwise the errors of
 /// [`Integrator::simulate`].
 ///
 /// ```
@@ -169,8 +172,7 @@ pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor
 }
 
 impl Search<'_> {
-    /// The attractor that the motion from a start reaches: [`classify`], within the bound of this
-    /// search.
+    /// The function [`classify`], with the bound and the watcher of this search.
     ///
     /// # Errors
     ///

@@ -22,9 +22,9 @@ use crate::state::structure::State;
 ///
 /// `family` returns the system for a value of the parameter. The parameter may be anything that a
 /// closure can set: a belt velocity, a load, a damper, a coefficient of a law, the frequency of a
-/// force. `from` is a motion of the family at the value `parameter`, which lies in the range. Both
-/// ends belong to the range. Newton's method may call `family` outside the range, at most 1/64 of
-/// the range's width away from it.
+/// force. `from` is a periodic motion of the system at the value `parameter`. This value lies in
+/// the range, which includes both its ends. Newton's method may call `family` outside the range, at
+/// most 1/64 of the range's width away from it.
 ///
 /// The unknowns are the start x(0), the period T of an autonomous motion, and the parameter p. They
 /// satisfy
@@ -36,27 +36,33 @@ use crate::state::structure::State;
 /// The curve of solutions is followed by pseudo-arclength continuation: a step along the tangent,
 /// then Newton's method on a plane across the tangent. Newton's method uses the exact derivative of
 /// the period map. The order of stick and slip is not prescribed. If the events of two neighbouring
-/// motions differ, bisection brackets the change of events, down to neighbouring numbers or to
-/// rounding. The branch then continues beyond the change.
+/// motions differ, bisection brackets the change of events, down to neighbouring numbers or to the
+/// rounding error of the motions. The branch then continues beyond the change.
 ///
-/// Let s be the arclength and μ the multipliers. At a bifurcation a test function changes its sign:
-/// dp/ds or Π(1 − μ) at a fold, Π(1 + μ) at a flip, and Π(1 − μ_i μ_j) at a Neimark-Sacker
-/// bifurcation, where a complex pair lies on the unit circle. Each bifurcation is refined along the
-/// arclength, and every motion tried there is corrected by Newton's method. Two bifurcations of one
-/// kind within one step (at most 1/64 of the range) can be missed; in a narrower range the steps
-/// are shorter. In a continuum of motions one multiplier is always 1, and the motion nearest the
-/// predicted one is taken.
+/// Let s be the arclength and μ_i the multipliers. A test function changes its sign at a
+/// bifurcation:
 ///
-/// The start of each autonomous motion of the branch is a turning point of one coordinate.
+/// * fold: dp/ds or Π(1 − μ_i);
+/// * flip: Π(1 + μ_i);
+/// * Neimark-Sacker bifurcation, if a complex pair lies on the unit circle: Π(1 − μ_i μ_j).
 ///
-/// The limits in each direction are 2048 points, 50 000 motions tried, and 10⁷ steps in total.
-/// [`Search`] sets other limits and takes a watcher; the page of `Search` states the cost. If a
-/// motion is lost, the branch up to this motion is returned, and [`Branch::ends`] gives the reason
-/// for each end. If the motion itself jumps as the parameter passes a value, the branch ends with
-/// [`BranchEnd::Discontinuity`]. If the jump is less than 1e-3 of the motion's size and a
-/// neighbouring motion is found on the other side, the branch continues with that motion. Contacts
-/// that never slip keep their positions along the branch; where one of them reaches its limit force
-/// and slips in one direction only, the branch ends with [`BranchEnd::OneWaySlip`].
+/// Each bifurcation is then refined along the arclength. Newton's method corrects every motion that
+/// is tried. Two bifurcations of the same kind within one step (at most 1/64 of the range) can be
+/// missed. In a narrower range the steps are shorter. In a continuum of motions one multiplier is
+/// always 1, and the branch contains the motion nearest the predicted one.
+///
+/// An autonomous motion of the branch starts at a turning point of one coordinate.
+///
+/// The limits in each direction are 2048 points, 50 000 motions tried, and 10⁷ integration steps in
+/// total. [`Search`] sets other limits of points and steps and accepts a watcher; the page of
+/// `Search` states the cost. If a motion is lost, the branch up to this motion is returned.
+/// [`Branch::ends`] gives the reason for each end.
+///
+/// A motion can jump as the parameter passes a value. If the jump is less than 1e-3 of the motion's
+/// size, and a neighbouring motion is found on the other side, the branch continues with the
+/// neighbouring motion. Otherwise the branch ends with [`BranchEnd::Discontinuity`]. Contacts that
+/// never slip keep their positions along the branch. If such a contact reaches its limit force and
+/// slips in one direction only, the branch ends with [`BranchEnd::OneWaySlip`].
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions of
@@ -65,9 +71,11 @@ use crate::state::structure::State;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite, is not empty and contains the parameter;
-/// [`Error::At`], with the parameter, if the family has no system at this parameter, if `from` is
-/// not a motion of that system, or if a system returns an error for a motion that was found.
+/// * [`Error::InvalidParameter`] unless the range is finite, is not empty and contains the
+///   parameter;
+/// * [`Error::At`], with the parameter, if the family returns an error at this parameter, or if
+///   `from` is not a motion of the system there;
+/// * [`Error::At`], with the parameter, if a system returns an error for a motion that was found.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, Period};
@@ -102,13 +110,12 @@ pub fn follow<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The branch of a periodic motion over a parameter: [`follow`], within the bounds of this
-    /// search.
+    /// The function [`follow`], with the bounds and the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`follow`]; [`Error::Stopped`] if the watcher stops it before the first
-    /// motion.
+    /// The errors of [`follow`]; [`Error::Stopped`] if the watcher stops the search before the
+    /// first motion.
     pub fn follow<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

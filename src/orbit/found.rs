@@ -15,9 +15,9 @@ use crate::state::structure::State;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
 ///
-/// Returned by [`shoot`](super::shoot) and [`settle`](super::settle). Extremes are exact to
-/// rounding too: the displacement and the velocity are power series in each step, and their
-/// extremes lie at the roots of the derivatives. All numbers are in the units of the system.
+/// The searches of [`orbit`](super) return this type, for example [`shoot`](super::shoot). Extremes
+/// are exact to rounding, too: the displacement and the velocity are power series in each step, and
+/// their extremes lie at the roots of the derivatives. All numbers are in the units of the system.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};
@@ -114,8 +114,8 @@ impl Properties {
 }
 
 impl<S: System> Orbit<S> {
-    /// The kind of the motion: [`Period::Driven`] with the number of periods of the drives, or
-    /// [`Period::Free`] with the period.
+    /// The kind of the motion: [`Period::Driven`] with the number of common periods of the drives,
+    /// or [`Period::Free`] with the period.
     pub fn kind(&self) -> Period {
         self.kind
     }
@@ -125,8 +125,8 @@ impl<S: System> Orbit<S> {
         self.period
     }
 
-    /// The state at the start of the period, which is also the state at its end, except for a
-    /// [translation](Self::mean_velocity).
+    /// The state at the start of the period. The state at the end of the period is the same, except
+    /// for a [translation](Self::mean_velocity).
     pub fn state(&self) -> S::State {
         self.state.clone()
     }
@@ -142,30 +142,31 @@ impl<S: System> Orbit<S> {
     }
 
     /// The Floquet multipliers, by descending modulus, dimensionless: two for each coordinate and
-    /// one for each memory variable. The multiplier 1 that every autonomous motion has is left out,
-    /// and so is that of a [translation](super#motions-that-are-translated).
+    /// one for each memory variable. Some multipliers 1 are left out: that of a shift along an
+    /// autonomous motion, those of a [translation](super#motions-that-are-translated), and those of
+    /// contacts that never [slip](Self::unslipped).
     ///
-    /// A small perturbation along an eigenvector is multiplied by its multiplier in each period.
-    /// Multipliers that are 0 because of stick are exactly 0: see [the page of this
-    /// module](super#multipliers).
+    /// In each period a small perturbation along an eigenvector is multiplied by the multiplier of
+    /// this eigenvector. Multipliers that are 0 because of stick are exactly 0: see [the page of
+    /// this module](super#multipliers).
     #[doc(alias = "Floquet")]
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers
     }
 
-    /// Contacts that never slip in the period, by their numbers.
+    /// The numbers of the contacts that never slip in the period.
     ///
     /// If there are such contacts, the motion belongs to a continuous family. The position at which
-    /// a rigid contact sticks is arbitrary. For an elastic contact the position of its slider is
-    /// arbitrary, and with it the residual force of the contact. The positions are those of the
-    /// guess. [`multipliers`](Self::multipliers) omits the multipliers 1 of the family.
+    /// a rigid contact sticks is arbitrary. For an elastic contact the position of the slider is
+    /// arbitrary, and so is the constant part of the force in the contact. The positions are those
+    /// of the guess. [`multipliers`](Self::multipliers) omits the multipliers 1 of the family.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }
 
-    /// Returns true if the motion is its own mirror image half a period later: x_i(t + T/2) = c_i −
-    /// x_i(t) with a constant c_i, for each displacement and each direction-dependent memory
-    /// variable.
+    /// Returns true if the motion is its own mirror image half a period later: each displacement
+    /// satisfies x_i(t + T/2) = c_i − x_i(t) with a constant c_i. A memory variable satisfies the
+    /// same equation, or repeats itself after half a period (as the time in stick does).
     ///
     /// The condition is checked at 12 times, with a tolerance of 10⁻⁷ of the size of each variable.
     pub fn is_symmetric(&self) -> bool {

@@ -145,28 +145,30 @@ fn sign_change(
     Some((parameter, Some(behind), Some(crossing)))
 }
 
-/// A small periodic motion near a Hopf point of steady sliding. Pass it to
-/// [`follow`](super::follow()) to compute the branch in both directions: down to the Hopf point,
-/// and up to stick-slip.
+/// A small periodic motion near a Hopf point of steady sliding. [`follow`](super::follow())
+/// continues this motion to its branch: in one direction down to the Hopf point, in the other to
+/// larger motions, such as stick-slip.
 ///
-/// `near` is a value of the parameter near the Hopf point, at which a pair of eigenvalues is near
-/// the imaginary axis. First the Hopf point itself is computed: the parameter p0, with eigenvalues
-/// ±iω. Let A be the Jacobian matrix of steady sliding x̄ at p0, and let q and u be its right and
-/// left eigenvectors, with Aq = iωq, Aᵀu = −iωu and ūᵀq = 1. The motion is sought near
+/// `near` is a value of the parameter near the Hopf point. At this value a pair of eigenvalues s of
+/// steady sliding must lie near the imaginary axis: |Re s| ≤ 0.2 |Im s|. First the Hopf point
+/// itself is computed: the parameter p0, with eigenvalues ±iω. Let A be the Jacobian matrix of
+/// steady sliding x̄ at p0. Let q and u be the right and left eigenvectors of A, with Aq = iωq, Aᵀu
+/// = −iωu and ūᵀq = 1. Newton's method finds the start x(0), the period T and the parameter p of
+/// the motion. The first guess is p = p0 and
 ///
 /// ```text
-/// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω,    on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε,
+/// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω.
 /// ```
 ///
-/// by Newton's method, which also adjusts the parameter p. The result satisfies Re s(p) + ω l1 ε² ≈
-/// 0, where s(p) is the eigenvalue at p, and l1 is the first Lyapunov coefficient. The phase φ is
-/// chosen so that one coordinate is at a turning point at time 0. The distance ε is chosen so that
-/// the relative velocity of each contact varies by at most 0.3 of its value in steady sliding. Each
-/// displacement varies by at most a tenth of the largest displacement in steady sliding. If no
-/// motion is found, smaller values of ε are tried.
+/// Newton's method keeps the start on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε. The result satisfies Re
+/// s(p) + ω l1 ε² ≈ 0, where s(p) is the eigenvalue at p, and l1 is the first Lyapunov coefficient.
+/// The phase φ is chosen so that one coordinate is at a turning point at time 0. The amplitude ε is
+/// chosen so that the relative velocity of each contact varies by at most 0.3 of its value in
+/// steady sliding, and each displacement by at most a tenth of the largest displacement in steady
+/// sliding. If no motion is found, smaller values of ε are tried.
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
-/// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). If friction is linear in the sliding
+/// ([`HopfPoint`](crate::bifurcation::HopfPoint) contains l1). If friction is linear in the sliding
 /// speed until a contact sticks (as with Coulomb's law), small periodic motions exist at p0 only
 /// and form a continuum. One of these motions is returned. The branch of motions at other
 /// parameters begins with the motion whose largest velocity equals the belt velocity.
@@ -175,11 +177,11 @@ fn sign_change(
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the value of the parameter, if the family returns an error, if there is no
-/// steady sliding ([`Error::NoSteadySliding`]), or if no periodic motion is found;
-/// [`Error::NoHopfPoint`] if no pair of eigenvalues is near the imaginary axis (|Re s| ≤ 0.2 |Im
-/// s|), or if no pair crosses this axis near the given value; [`Error::InvalidParameter`] unless
-/// the value is finite.
+/// * [`Error::InvalidParameter`] unless `near` is finite;
+/// * [`Error::At`], with the value of the parameter, if the family returns an error, if there is no
+///   steady sliding ([`Error::NoSteadySliding`]), or if no periodic motion is found;
+/// * [`Error::At`] with [`Error::NoHopfPoint`], if no pair of eigenvalues is near the imaginary
+///   axis at `near`, or if no pair crosses this axis near this value.
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, BranchEnd};
@@ -215,11 +217,11 @@ pub fn begin<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// A small periodic motion near a Hopf point, as in [`begin`], with the watcher of this search.
+    /// The function [`begin`], with the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`begin`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`begin`]; [`Error::Stopped`] if the watcher stops the search.
     pub fn begin<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

@@ -18,7 +18,8 @@ pub struct LyapunovExponent {
     /// The exponent, per unit of time.
     pub value: f64,
     /// The standard error of the exponent, per unit of time, from the differences between 16 parts
-    /// of the duration; infinite with fewer than two parts.
+    /// of the duration. It is 0 if the exponent is −∞, and infinite if the steps are so long that
+    /// all growth belongs to one part.
     pub spread: f64,
 }
 
@@ -63,32 +64,35 @@ pub fn lyapunov<S: Oscillator>(
 }
 
 /// The largest Lyapunov exponent of the motion from a start at time 0, with its standard error. The
-/// exponent is the mean growth rate of small perturbations, per unit of time, over a duration after
-/// a transient.
+/// exponent λ is the mean growth rate, per unit of time, of a small perturbation δx of the state.
+/// The mean is taken over a duration after a transient.
 ///
 /// ```text
 /// λ = lim ln(|δx(t)|/|δx(0)|)/t
 /// ```
 ///
 /// A positive exponent means chaos. For a stable periodic motion the exponent is ln|μ|/T, with the
-/// largest multiplier μ and the period T. For an autonomous motion the exponent 0 of a shift along
-/// the orbit is left out, like the multiplier 1, and so is that of a
-/// [translation](super#motions-that-are-translated). The exponent is −∞ if every perturbation
-/// decays to zero. It is 0 if all masses stick for ever to surfaces at rest, because a perturbation
+/// largest multiplier μ and the period T. Two kinds of perturbations neither grow nor decay, and
+/// are left out: a shift along the orbit of an autonomous motion, and a
+/// [translation](super#motions-that-are-translated). The exponent is −∞ if all other perturbations
+/// decay to zero. It is 0 if all masses stick for ever to surfaces at rest, because a perturbation
 /// of a displacement then remains. The perturbation δx is a solution of the variational equations,
-/// not a difference of motions, so no digits cancel; memory use is constant.
+/// not a difference of motions, so no digits cancel. The search needs constant memory.
 ///
-/// The cost is proportional to the duration; the standard error falls at least as fast as
+/// The cost is proportional to the duration. The standard error falls at least as fast as
 /// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit
 /// of time, so 10 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for
 /// three masses; [`Search::with_max_steps`] changes this bound.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless both times are finite, the transient is ≥ 0 and the duration
-/// is > 0; [`Error::InvalidParameter`] if the duration is so short that rounding removes it from
-/// the sum of both; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps
-/// (about 10⁵ oscillations); the other errors of [`Integrator::simulate`].
+/// * [`Error::InvalidDuration`] unless both times are finite, the transient is ≥ 0 and the duration
+///   is > 0;
+/// * [`Error::InvalidParameter`] if the duration is so short that transient + duration is rounded
+///   to the transient;
+/// * [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
+///   oscillations);
+/// * the other errors of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
 /// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.
@@ -118,11 +122,11 @@ pub fn lyapunov_with_spread<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The largest Lyapunov exponent: [`lyapunov_with_spread`], within the bound of this search.
+    /// The function [`lyapunov_with_spread`], with the bound and the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`lyapunov_with_spread`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`lyapunov_with_spread`]; [`Error::Stopped`] if the watcher stops the search.
     pub fn lyapunov_with_spread<S: Oscillator>(
         &self,
         system: &S,

@@ -145,7 +145,7 @@ impl<S: System> Orbit<S> {
     }
 }
 
-/// Measures of the motion, with the names of those of a [`LimitCycle`](crate::LimitCycle). A
+/// Measures of the motion, with the names of the measures of a [`LimitCycle`](crate::LimitCycle). A
 /// measure is NaN if the coordinate or the contact does not exist.
 impl<S: System> Orbit<S> {
     /// Angular frequency ω = 2π/T, per unit of time.
@@ -153,8 +153,8 @@ impl<S: System> Orbit<S> {
         std::f64::consts::TAU / self.period()
     }
 
-    /// Least and largest displacement of a coordinate. If the motion is
-    /// [translated](Self::mean_velocity), displacements are relative to a frame that moves at the
+    /// Least and largest displacement of a coordinate. If the motion is periodic only up to a
+    /// [translation](Self::mean_velocity), displacements are relative to a frame that moves at the
     /// mean velocity from time 0 on.
     pub fn extremes(&self, coordinate: usize) -> (f64, f64) {
         self.range(coordinate, 0)
@@ -202,19 +202,20 @@ impl<S: System> Orbit<S> {
         0.5 * (largest - least)
     }
 
-    /// Mean velocity V = (q(T) − q(0))/T of a coordinate; 0 unless the motion is periodic only
-    /// [up to a translation](super#motions-that-are-translated).
+    /// Mean velocity V = (q(T) − q(0))/T of a coordinate. V differs from 0 only if the motion is
+    /// periodic [up to a translation](super#motions-that-are-translated).
     ///
     /// The displacement is the sum of Vt and a periodic part. [`extremes`](Self::extremes),
     /// [`amplitude`](Self::amplitude), [`mean_displacement`](Self::mean_displacement) and
-    /// [`harmonics`](Self::harmonics) are those of the periodic part. The result is NaN if the
+    /// [`harmonics`](Self::harmonics) are measures of the periodic part. The result is NaN if the
     /// coordinate does not exist.
     pub fn mean_velocity(&self, coordinate: usize) -> f64 {
         self.coordinate(coordinate, |of| of.mean_velocity)
             .unwrap_or(f64::NAN)
     }
 
-    /// Mean displacement (1/T)∮q dt of a coordinate.
+    /// Mean displacement (1/T)∮q dt of a coordinate, without the
+    /// [translation](Self::mean_velocity).
     pub fn mean_displacement(&self, coordinate: usize) -> f64 {
         self.coordinate(coordinate, |of| of.mean)
             .unwrap_or(f64::NAN)
@@ -233,7 +234,8 @@ impl<S: System> Orbit<S> {
         found.unwrap_or(f64::NAN)
     }
 
-    /// Largest |v'| of a coordinate, including the values on both sides of each event.
+    /// Largest absolute acceleration |v'| of a coordinate, including the values on both sides of
+    /// each event.
     pub fn peak_acceleration(&self, coordinate: usize) -> f64 {
         let (least, largest) = self.acceleration_extremes(coordinate);
         largest.max(-least)
@@ -245,14 +247,14 @@ impl<S: System> Orbit<S> {
         self.contact(contact, |of| of.stick_duration)
     }
 
-    /// Largest sliding speed |r| of a contact while it slips; 0 if the contact never slips. The
-    /// friction law must be known up to this speed.
+    /// Largest sliding speed |r| of a contact while it slips, where r is the relative velocity; 0
+    /// if the contact never slips. The friction law must be valid up to this speed.
     pub fn max_sliding_speed(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.max_sliding_speed)
     }
 
-    /// Work and heat over one period, by force, contact and damper. For a
-    /// [`MassOnBelt`](crate::MassOnBelt) these are the numbers of
+    /// Work and heat over one period, for each force, contact and damper. For a
+    /// [`MassOnBelt`](crate::MassOnBelt) these are the values of
     /// [`LimitCycle::energy`](crate::LimitCycle::energy).
     pub fn energy(&self) -> &EnergyBudget {
         &self.measures.energy
@@ -301,17 +303,17 @@ impl<S: Oscillator> Orbit<S> {
         (1..=n).map(harmonic).collect()
     }
 
-    /// Complex amplitudes of the first n harmonics of a coordinate's velocity: ikω times those of
-    /// its displacement.
+    /// Complex amplitudes of the first n harmonics of a coordinate's velocity. The k-th amplitude
+    /// is ikω times that of the displacement, with ω = 2π/T.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn velocity_harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {
         self.differentiated(coordinate, n, 1)
     }
 
-    /// Complex amplitudes of the first n harmonics of a coordinate's acceleration: (ikω)² times
-    /// those of its displacement. If the acceleration jumps at events, the k-th amplitude decreases
-    /// only as 1/k.
+    /// Complex amplitudes of the first n harmonics of a coordinate's acceleration. The k-th
+    /// amplitude is (ikω)² times that of the displacement, with ω = 2π/T. If the acceleration jumps
+    /// at events, the k-th amplitude decreases only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn acceleration_harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {

@@ -1,6 +1,7 @@
-//! Periodic motions of any system, found from a guess and exact to rounding, with all their Floquet
-//! multipliers. The module also computes branches of periodic motions over a parameter, Poincaré
-//! sections, and the largest Lyapunov exponent.
+//! Periodic motions of any system ([`MassOnBelt`](crate::MassOnBelt) or
+//! [`Structure`](crate::Structure)), with all their Floquet multipliers. Each motion is found from
+//! a guess and is exact to rounding. The module also computes branches of periodic motions over a
+//! parameter, Poincaré sections, and the largest Lyapunov exponent.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -15,7 +16,7 @@
 //!     .with_force(0, Drive::harmonic(0.15, 0.8, 0.0)?)?
 //!     .with_contact(contact)?;
 //!
-//! // Simulate a transient, then find the periodic motion that follows: its period is the force's.
+//! // Simulate a transient, then find the periodic motion. Its period is that of the force.
 //! let orbit = orbit::settle(&forced, &State::at_rest(1), 100.0, Period::Driven(1))?;
 //! let kinds: Vec<String> = orbit.events().iter().map(|event| event.kind.to_string()).collect();
 //! assert_eq!(kinds, ["release (lagging)", "stick"]);
@@ -31,67 +32,71 @@
 //!
 #![doc = include_str!("../figures/resonance.svg")]
 //!
-//! *Amplitude of a mass on a belt over the frequency of the force, by [`follow`]. Dashed lines are
-//! unstable motions, rings are folds.*
+//! *Amplitude of a mass on a belt over the frequency of the force, computed by [`follow`]. Dashed
+//! lines are unstable motions; rings are folds.*
 //!
 //! # Which search for which system
 //!
 //! | system and question | search | what it promises |
 //! |---|---|---|
-//! | [`MassOnBelt`](crate::MassOnBelt): every periodic motion | [`limit_cycle::find`](crate::limit_cycle::find) | complete, except [pairs that lie very close together](crate::limit_cycle#what-is-guaranteed) |
-//! | `MassOnBelt`: the attractor reached from a start | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | complete, with the same exception |
+//! | [`MassOnBelt`](crate::MassOnBelt): every periodic motion | [`limit_cycle::find`](crate::limit_cycle::find) | every motion, within [stated limits](crate::limit_cycle#what-is-guaranteed) |
+//! | `MassOnBelt`: the attractor reached from a start | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | the attractor, within these limits |
 //! | `MassOnBelt`: parameters at which motions appear and vanish | [`bifurcation`](crate::bifurcation) | each function states how densely it searches |
 //! | any system: the motion near a guess, stable or not | [`shoot`] | one motion, exact to rounding, or a typed error |
 //! | any system: the periodic motion after a transient from a start | [`settle`] | one motion, exact to rounding, or a typed error |
 //! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
-//! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last state of the one before |
-//! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
+//! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached; each motion starts from the last state of the motion before |
+//! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of the same kind within a step can be missed |
 //! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | the attractors on branches that a sweep or a Hopf point reaches |
 //! | any system: the motion that is born at a Hopf point of steady sliding | [`begin`] | one small motion |
-//! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on it |
-//! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
+//! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on this branch |
+//! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of the same kind within a step can be missed |
 //! | any system: derivatives of a motion with respect to parameters, for fits | [`sensitivities`], [`orbit_sensitivities`] | an error of about 1e-11 of the largest derivative, or a typed error |
 //! | any system: Poincaré sections | [`section`], [`section_at`] | the points of one motion |
 //! | any system: the largest Lyapunov exponent, positive in chaos | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
 //! The motions of one mass on a belt of constant velocity lie in the phase plane and cannot cross
 //! each other, so a search can be complete. With a varying force, a second mass or a memory
-//! variable, motions can cross, and a search returns one motion near its guess. To explore such a
-//! system, start [`settle`] from many states and plot sections. For a mass on a belt, `limit_cycle`
-//! and `orbit` give the same numbers.
+//! variable, the motions do not lie in a plane, and a search returns one motion near its guess. To
+//! explore such a system, start [`settle`] from many states and plot sections. For a mass on a
+//! belt, `limit_cycle` and `orbit` give the same numbers.
 //!
-//! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all, about 10⁵
-//! oscillations. These steps take seconds for one mass and 10 to 20 s for three masses. A call that
-//! needs more returns [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state
-//! reached. The bound for a branch is stated on the page of [`follow`]. [`Search`] sets other
-//! bounds and takes a watcher, a function that can stop the search; the page of `Search` states
-//! what each search costs.
+//! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ integration steps, which are
+//! about 10⁵ oscillations. These steps take seconds for one mass and 10 to 20 s for three masses. A
+//! call that needs more steps returns a typed error. The page of [`follow`] states the bound for a
+//! branch. [`Search`] sets other bounds. It also accepts a watcher, a function that can stop the
+//! search. The page of `Search` states the cost of each search.
 //!
 //! # Autonomous and forced motions
 //!
-//! If a drive of a structure varies in time, the motion is forced. Its period is n common periods
-//! of the drives ([`Period::Driven`]), and its start is the state at time 0. If all drives are
-//! constant, the system is autonomous: the motion may begin anywhere on its orbit, and its period
-//! is unknown ([`Period::Free`]). The phase condition of an autonomous motion is the plane through
+//! A [`Drive`](crate::Drive) is a force, a load or a belt velocity as a function of time. If a
+//! drive of a structure varies in time, the motion is forced. Its period is n common periods of the
+//! drives ([`Period::Driven`]), and its start is the state at time 0. If all drives are constant,
+//! the system is autonomous: the motion may begin anywhere on its orbit, and its period is unknown
+//! ([`Period::Free`]). A phase condition then fixes the start: the start lies on the plane through
 //! the guess, normal to the flow at the guess. If all masses stick to moving belts, the flow is the
-//! motion of the belts. A guess may lie anywhere in a stick phase, but a [`Dwell`](crate::Dwell)
-//! contact needs the time since the beginning of stick as its memory variable.
+//! motion of the belts. The guess may lie in a stick phase. If the contact that sticks is a
+//! [`Dwell`](crate::Dwell) contact, its memory variable in the guess must be the time since the
+//! beginning of stick.
 //!
 //! # Motions that are translated
 //!
 //! A shaft that turns, or a chain of masses that no spring holds to the ground, can be displaced as
-//! a whole without changing any force. There is then a direction e with K e = 0, and every load
-//! gradient is normal to e. Motions of this system can be periodic up to a translation φ e:
+//! a whole without changing any force. With the stiffness matrix K of the
+//! [`Structure`](crate::Structure), there is then a direction e with K e = 0, and every load
+//! gradient is normal to e. Let q be the displacements and v the velocities. Motions of this system
+//! can be periodic up to a translation φ e with a number φ:
 //!
 //! ```text
 //! q(T) = q(0) + φ e,    v(T) = v(0),
 //! ```
 //!
-//! The search finds φ together with the motion; φe/T is the mean velocity
-//! ([`Orbit::mean_velocity`]). All searches detect such directions themselves. There may be several
-//! directions, for example if only contacts and dampers connect several shafts. The component
-//! e·q(0) is that of the guess. If no force depends on the velocity along e either (C e = 0,
-//! b_c·e = 0), momentum is conserved along e, and the mean velocity is that of the guess.
+//! The search finds φ together with the motion. The mean velocity is φ e/T
+//! ([`Orbit::mean_velocity`]). All searches detect the directions e themselves. There may be
+//! several directions, for example if only contacts and dampers connect several shafts. The
+//! position of the start along e is that of the guess. If C e = 0 for the damping matrix C, and b·e
+//! = 0 for the direction b of each contact, no force depends on the velocity along e either.
+//! Momentum along e is then conserved, and the mean velocity is that of the guess.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -109,34 +114,35 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
-//! In the frame that moves at the mean velocity Ω the motion is periodic. In this frame a surface
-//! of velocity w has the velocity w − Ω; the page
+//! The motion is periodic in the frame that moves at the mean velocity Ω. In this frame a surface
+//! of velocity w has the velocity w − Ω. The page
 //! [`structure`](crate::structure#frames-that-move-at-a-varying-speed) lists the other terms.
 //!
 //! # Multipliers
 //!
-//! The monodromy matrix is the derivative of the state at the end of a period with respect to the
-//! state at its start. Between events the matrix solves the variational equations, by power series
-//! with the exact derivatives of every law; at events it is multiplied by a saltation matrix. The
-//! eigenvalues of the monodromy matrix are the Floquet multipliers μ: a small perturbation along an
-//! eigenvector is multiplied by μ in each period.
+//! The period map leads from the state at the start of a period to the state at its end. Its
+//! derivative is the monodromy matrix. Between events this matrix solves the variational equations,
+//! by power series with the exact derivatives of every law. At each event it is multiplied by a
+//! saltation matrix. The eigenvalues of the monodromy matrix are the Floquet multipliers μ: a small
+//! perturbation along an eigenvector is multiplied by μ in each period.
 //!
 //! * In stick the perturbation of the velocity vanishes: if k contacts stick at the same time, at
 //!   least k multipliers are exactly 0. Static friction that rises during stick depends on the
 //!   duration of stick, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
-//!   grows nor decays. This multiplier is left out.
-//! * A [translation](#motions-that-are-translated) has the multiplier 1, and so has a velocity on
-//!   which no force depends. These multipliers are left out.
+//!   grows nor decays. [`Orbit::multipliers`] does not contain this multiplier.
+//! * A [translation](#motions-that-are-translated) has the multiplier 1. A velocity along e on
+//!   which no force depends has the multiplier 1, too. [`Orbit::multipliers`] does not contain
+//!   these multipliers either.
 //! * A memory variable that does not influence the motion has the multiplier 0.
-//! * If a contact never slips, the motion belongs to a continuous family: [`Orbit::unslipped`]
-//!   lists such contacts, and their multipliers 1 are left out. In any other continuous family an
-//!   additional multiplier is 1, and is listed. In each family the motion nearest the guess is
-//!   found.
+//! * If a contact never slips, the motion belongs to a continuous family. [`Orbit::unslipped`]
+//!   lists such contacts, and [`Orbit::multipliers`] does not contain their multipliers 1. In any
+//!   other continuous family an additional multiplier is 1, and `multipliers` contains it. In each
+//!   family the motion nearest the guess is found.
 //!
-//! The period map has no derivative at grazing, or if several events happen at the same instant. In
-//! the second case the matrix is computed as if these events followed one another in the order of
-//! their contacts.
+//! The period map has no derivative at grazing, or if several events happen at the same instant.
+//! For simultaneous events the matrix is computed as if they followed one another in the order of
+//! the numbers of their contacts.
 //!
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.

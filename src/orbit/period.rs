@@ -9,13 +9,15 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Period {
-    /// A forced motion: its period is this number (at least 1) of common periods of the drives of a
-    /// [`Structure`](crate::Structure). Its start is the state at time 0 of the drives.
+    /// A forced motion. Its period is the common period of the drives of a
+    /// [`Structure`](crate::Structure), times this number (at least 1). Its start is the state at
+    /// time 0 of the drives.
     Driven(usize),
     /// An autonomous motion, of a system in which no drive varies. The number is an estimate of the
     /// motion's period, in units of time.
     ///
-    /// The phase condition is the plane through the guess, normal to the flow at the guess.
+    /// The start of the motion lies on the plane through the guess, normal to the flow at the
+    /// guess. This is the phase condition.
     Free(f64),
 }
 

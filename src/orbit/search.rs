@@ -13,16 +13,17 @@ pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_ST
 /// Steps after which the watcher of a search is called again.
 pub(super) const LOOK_EVERY: usize = 1000;
 
-/// A search for periodic motions or Lyapunov exponents, with bounds on its work and with a watcher.
-/// The methods of `Search` have the names of the functions of [`orbit`](super) and return the same
+/// A search for periodic motions or Lyapunov exponents, with bounds of its work and a watcher. The
+/// methods of `Search` have the names of the functions of [`orbit`](super) and return the same
 /// results.
 ///
 /// # Cost
 ///
-/// The unit of work is a step of the motion: a few microseconds per mass. An oscillation takes
-/// about ten steps, more if many contacts have events. Every search also needs the derivative of
-/// the motion. For a few masses, a motion with its derivative takes two to three times as long as
-/// the motion alone; for 20 masses, about nine times as long.
+/// The unit of work is an integration step, which takes a few microseconds per mass. An oscillation
+/// takes about ten steps, more if many contacts have events. Most searches also compute the
+/// derivative of the motion with respect to its start. For a few masses, a motion with its
+/// derivative takes two to three times as long as the motion alone. For 20 masses, it takes about
+/// nine times as long.
 ///
 /// | search | work |
 /// |---|---|
@@ -32,13 +33,13 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// | [`sweep`](Self::sweep) | [`classify`](Self::classify) twice for each value |
 /// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
 /// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |
-/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation takes two to three times as long as the motion alone: for three masses, about 13 s at the limit of 10⁶ steps |
-/// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or event orders, a step instead takes one motion without derivative for each unknown |
-/// | [`follow`](Self::follow) | three to five motions with derivatives for each point, with at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
+/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | two to three times the work of the motion alone: for three masses, about 13 s at the limit of 10⁶ steps |
+/// | [`locus`](Self::locus) | for each point, three to five steps of Newton's method with about ten motions with derivatives each; on a curve of grazings, onsets of stops or event orders, each step takes one motion without derivative for each unknown |
+/// | [`follow`](Self::follow) | three to five motions with derivatives for each point, and at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second. A branch of a drill string of 20
-/// inertias took 7 s for 134 points, with 10⁶ steps in all. Ranges with many bifurcations, and long
-/// periods, take minutes. A watcher shows the progress, and can stop the search:
+/// inertias took 7 s for 134 points, with 10⁶ steps in total. Ranges with many bifurcations and
+/// motions with long periods take minutes. A watcher shows the progress, and can stop the search:
 ///
 /// ```
 /// use std::ops::ControlFlow::{Break, Continue};
@@ -84,24 +85,23 @@ type Watcher<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
 #[non_exhaustive]
 pub struct Progress {
     /// In a search along a parameter: the value of the parameter that is being tried, in its own
-    /// units. In a search on one system, which has no parameter: the time reached by the motion
-    /// that is being computed, in units of time.
+    /// units. In a search on one system: the time that the motion has reached, in units of time.
     pub value: f64,
     /// In a search over two parameters ([`locus`](Search::locus)): the value of the second
     /// parameter. Otherwise `None`.
     pub second: Option<f64>,
-    /// Number of motions found so far, without the first motion; 0 in a search on one system.
+    /// Number of motions found so far, not counting the first motion; 0 in a search on one system.
     pub points: usize,
     /// Steps taken so far.
     pub steps: usize,
 }
 
 impl<'w> Search<'w> {
-    /// The default bound of the work on one system, in steps. For one mass they take seconds.
+    /// The default bound of the work on one system: 10⁶ steps, which take seconds for one mass.
     pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS_OF_A_SEARCH;
-    /// The default bound of the work of [`follow`](Self::follow) in each direction, in steps.
+    /// The default bound of the work of [`follow`](Self::follow) in each direction: 10⁷ steps.
     pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
-    /// The default bound of the work of [`locus`](Self::locus) in each direction, in steps.
+    /// The default bound of the work of [`locus`](Self::locus) in each direction: 2·10⁷ steps.
     pub const DEFAULT_MAX_LOCUS_STEPS: usize = 20 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the points of [`follow`](Self::follow) and [`locus`](Self::locus) in
     /// each direction.
@@ -112,16 +112,18 @@ impl<'w> Search<'w> {
         Self::default()
     }
 
-    /// Bounds the steps of each search. If the bound is reached, a search on one system returns
-    /// [`Error::TooManySteps`], a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work), and
-    /// a locus ends with [`LocusEnd::Work`](super::LocusEnd::Work).
+    /// Bounds the steps of each search. If the bound is reached, a branch ends with
+    /// [`BranchEnd::Work`](super::BranchEnd::Work), and a locus ends with
+    /// [`LocusEnd::Work`](super::LocusEnd::Work). A search on one system returns
+    /// [`Error::TooManySteps`], or, if Newton's method has begun, [`Error::NotPeriodic`].
     ///
     /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
-    /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. A single motion over
-    /// a period may take a tenth of the bound or 10⁵ steps, whichever is more. The bound does not
-    /// apply to [`begin`](Self::begin) and [`switch`](Self::switch), which compute some hundred
-    /// motions at most.
+    /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. In a search on one
+    /// system, a single motion over a period may take a tenth of the bound or 10⁵ steps, whichever
+    /// is more. On a branch or a locus it may take 10⁵ steps. The bound does not apply to
+    /// [`begin`](Self::begin) and [`switch`](Self::switch), which compute some hundred motions at
+    /// most.
     ///
     /// # Errors
     ///
@@ -142,13 +144,14 @@ impl<'w> Search<'w> {
     }
 
     /// Sets the watcher, a function that shows the progress or stops the search by returning
-    /// [`ControlFlow::Break`]. The function is called every 1000 steps; in a search along a
-    /// parameter, also before each motion that is tried and after each motion that is found.
+    /// [`ControlFlow::Break`]. The function is called every 1000 steps. A search along a parameter
+    /// also calls it before each motion that is tried and after each motion that is found.
     ///
-    /// A branch or a locus that is stopped keeps what was found, with
+    /// A branch or a locus that is stopped contains the motions found so far, and ends with
     /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) or
-    /// [`LocusEnd::Stopped`](super::LocusEnd::Stopped) as its end; any other search returns
-    /// [`Error::Stopped`].
+    /// [`LocusEnd::Stopped`](super::LocusEnd::Stopped). [`sweep`](Self::sweep) and
+    /// [`vibration_ranges`](Self::vibration_ranges) return the results so far. Any other search
+    /// returns [`Error::Stopped`].
     pub fn watched(self, watch: impl Fn(&Progress) -> ControlFlow<()> + 'w) -> Self {
         Self {
             watch: Some(Box::new(watch)),

@@ -59,8 +59,8 @@ pub struct Section<'s, S: Oscillator + 's> {
     number: u64,
 }
 
-/// Poincaré section of the motion that starts at time 0: its states at the times T, 2T, 3T, …, with
-/// a given period T. The iterator is unbounded and takes constant memory.
+/// Poincaré section of the motion from a start at time 0: the states at the times T, 2T, 3T, …,
+/// with a given period T. The iterator is unbounded and takes constant memory.
 ///
 /// The k-th time is the exact product kT, so the phase of a drive is still exact after 10⁶ periods.
 ///
@@ -68,8 +68,9 @@ pub struct Section<'s, S: Oscillator + 's> {
 ///
 /// # Errors
 ///
-/// An item is [`Error::InvalidParameter`] unless T is positive and finite, or an error of
-/// [`Integrator::flow`]. After an error the iterator returns `None`.
+/// An item is [`Error::InvalidParameter`] unless T is positive and finite, [`Error::TooManySteps`]
+/// if a period takes more than 10⁵ steps, or an error of [`Integrator::flow`]. After an error the
+/// iterator returns `None`.
 ///
 /// ```
 /// use stick_slip::orbit;
@@ -143,7 +144,7 @@ pub struct EventSection<'s, S: Oscillator + 's> {
 }
 
 /// Every event of one kind at one contact, in the motion from a start at time 0: a Poincaré section
-/// for autonomous motions. The iterator is lazy and takes constant memory.
+/// for autonomous motions. Each event is computed when the iterator reaches it, in constant memory.
 ///
 /// The iterator ends if the motion reaches an equilibrium and stays there.
 ///

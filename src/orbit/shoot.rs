@@ -213,20 +213,21 @@ pub(super) fn shortest(
 ///
 /// The motion need not be stable. The residual x(T) − x(0) falls to rounding, about 1e-15 of the
 /// size of each component. Newton steps that would increase the residual are shortened. The
-/// sequence of events need not be known in advance: it may differ from trial to trial. In a
-/// continuous family the motion nearest the guess is found. Motions that grow or decay by less than
-/// 1e-11 per period count as members of such a family.
+/// sequence of events is not prescribed: it may differ from trial to trial. In a continuous family
+/// of motions the motion nearest the guess is found. Motions that grow or decay by less than 1e-11
+/// per period count as members of such a family.
 ///
-/// An autonomous motion must leave its start and return: the residual must be small relative to the
-/// extent of the motion, too, however small this extent is. This excludes two false solutions: an
-/// equilibrium, which has every number as a period, and a period near 0, after which every motion
-/// has hardly left its start.
+/// An autonomous motion must leave its start and return. The residual must therefore also be small
+/// relative to the extent of the motion, however small this extent is. This excludes two false
+/// solutions: an equilibrium, which has every number as a period, and a period near 0, after which
+/// no motion has left its start.
 ///
 /// The guess is a state at time 0 of the drives; for an autonomous motion it is any state near the
 /// motion. If the guess contains a force of an elastic contact above the limit force, the limit
-/// force is used. (If the guess of an autonomous motion lies exactly at an event at which the flow
-/// jumps, and no motion is found, the search is repeated from a state between events.) If the
-/// estimate is near twice the period, the result is the motion over two periods.
+/// force is used. If the estimate of the period is near twice the period, the result is the motion
+/// over two periods. (The guess of an autonomous motion may lie exactly at an event at which the
+/// flow jumps. If no motion is found from there, the search is repeated from a state between
+/// events.)
 ///
 /// # Errors
 ///
@@ -234,13 +235,12 @@ pub(super) fn shortest(
 /// * [`Error::InvalidParameter`] if the number of periods is 0, or if an estimate of the period is
 ///   not positive and finite;
 /// * [`Error::AtRest`] in the search for an autonomous motion, if the guess is an equilibrium, or
-///   if the search or the transient of [`settle`] ends in an equilibrium;
-/// * [`Error::NotPeriodic`] if Newton's method does not converge, with the best start tried and its
-///   residual;
+///   if the search ends in one;
+/// * [`Error::NotPeriodic`] if Newton's method does not converge, or reaches the bound of the work.
+///   It contains the best start tried and its residual. The bound is 10⁶ steps in total, for all
+///   motions that are tried and for the transient of [`settle`];
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
-///   more than 10⁵ steps over the period. The transient of [`settle`] and all the motions that are
-///   tried take at most 10⁶ steps in total. A search that reaches this bound returns
-///   [`Error::NotPeriodic`] with the best start so far;
+///   more than 10⁵ steps over the period;
 /// * the other errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from
 ///   the guess.
 ///
@@ -262,7 +262,7 @@ pub(super) fn shortest(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// [`Search`] sets a bound of the work and takes a watcher.
+/// [`Search`] sets a bound of the work and accepts a watcher.
 #[doc(alias = "solve")]
 #[doc(alias = "Newton")]
 pub fn shoot<S: Oscillator>(
@@ -274,11 +274,11 @@ pub fn shoot<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The periodic motion near a guess: [`shoot`], within the bound of this search.
+    /// The function [`shoot`], with the bound and the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`shoot`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`shoot`]; [`Error::Stopped`] if the watcher stops the search.
     pub fn shoot<S: Oscillator>(
         &self,
         system: &S,
@@ -290,11 +290,11 @@ impl Search<'_> {
         })
     }
 
-    /// The periodic motion that a start settles to: [`settle`], within the bound of this search.
+    /// The function [`settle`], with the bound and the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`settle`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`settle`]; [`Error::Stopped`] if the watcher stops the search.
     pub fn settle<S: Oscillator>(
         &self,
         system: &S,
@@ -357,16 +357,17 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMo
 /// Simulates a transient from a start at time 0, then finds the periodic motion near the state
 /// reached.
 ///
-/// The length of the transient is in units of time; for a forced motion this length is rounded up
-/// to whole periods of the drives. A long transient costs little: if [`shoot`] fails, make the
-/// transient longer.
+/// The length of the transient is in units of time. For a forced motion it is rounded up to whole
+/// periods of the drives. A long transient costs little: if [`shoot`] fails, make the transient
+/// longer.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
-/// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
-/// continue from that state; the errors of [`shoot`]; the errors of
-/// [`Integrator::simulate`](crate::Integrator::simulate).
+/// * [`Error::InvalidDuration`] unless the transient is finite and ≥ 0;
+/// * [`Error::TooManySteps`], with the time and state reached, if the transient takes more than 10⁶
+///   steps (about 10⁵ oscillations): continue from that state;
+/// * the errors of [`shoot`], and those of [`Integrator::simulate`](crate::Integrator::simulate)
+///   for the transient.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};

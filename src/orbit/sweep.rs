@@ -15,8 +15,8 @@ pub struct Sweep<S: System> {
     pub up: Vec<SweepPoint<S>>,
     /// The results as the parameter falls, by descending values.
     pub down: Vec<SweepPoint<S>>,
-    /// The value of the parameter at which the watcher stopped the sweep; `None` if it was not
-    /// stopped.
+    /// The value of the parameter at which the watcher stopped the sweep; `None` if the watcher did
+    /// not stop it.
     pub stopped: Option<f64>,
 }
 
@@ -44,14 +44,14 @@ pub struct Change {
 }
 
 impl<S: System> SweepPoint<S> {
-    /// The kind of the attractor, if it is known.
+    /// The kind of the attractor; `None` if the result is an error.
     pub fn kind(&self) -> Option<AttractorKind> {
         self.attractor.as_ref().ok().map(Attractor::kind)
     }
 }
 
 impl<S: System> Sweep<S> {
-    /// The changes on the way up, then those on the way down.
+    /// The changes as the parameter rises, then the changes as it falls.
     pub fn changes(&self) -> impl Iterator<Item = Change> {
         [&self.up, &self.down].into_iter().flat_map(|way| {
             let known = way
@@ -73,11 +73,12 @@ impl<S: System> Sweep<S> {
 /// falls through them again. Each motion starts from the last state of the motion before, as in a
 /// machine that is started, loaded and unloaded.
 ///
-/// If the results of the two directions differ at a value, the system has two attractors there, and
-/// the past of the motion decides between them (hysteresis). Do not search for a critical value by
-/// bisection with simulations from one start. At the next value this start may lie in the basin of
-/// another attractor, and vibration that exists far beyond the value found would be missed.
-/// Instead, sweep, then follow the motion found to the end of its branch:
+/// If the results of the two directions differ at a value, the system has two attractors there. The
+/// past of the motion then decides which attractor it reaches (hysteresis). Do not search for a
+/// critical value by bisection with simulations from one start. At the next value this start may
+/// lie in the basin of another attractor, and the bisection would miss vibration that exists far
+/// beyond the value that it finds. Instead, sweep, then follow the motion found to the end of its
+/// branch:
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind};
@@ -109,17 +110,19 @@ impl<S: System> Sweep<S> {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// If the last motion ended in steady sliding, the next motion starts with a perturbation of 10⁻⁶
-/// of the largest velocity, so that it can leave unstable steady sliding. Each value costs one
-/// [`classify`](super::classify) in each direction. Close to a bifurcation the transient may be
-/// longer than the 1.3·10⁵ steps of `classify`; the change then appears at a later value.
+/// If the last motion ended in steady sliding, the next motion starts with displacements that are
+/// perturbed by up to 10⁻⁶ of the largest displacement, so that it can leave unstable steady
+/// sliding. Each value costs one [`classify`](super::classify) in each direction. Close to a
+/// bifurcation the transient may be longer than the 1.3·10⁵ steps of `classify`. The change then
+/// appears at a later value.
+///
+/// [`Search::sweep`] sets a bound of the work and accepts a watcher.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless there is at least one value, and the values are finite and
-/// ascending; [`Error::At`], with the parameter, if the first system returns an error for the
-/// start. Any other error at a value is part of the result. [`Search::sweep`] sets a bound of the
-/// work and takes a watcher.
+/// ascending; [`Error::At`], with the parameter, if the first system does not accept the start. Any
+/// other error at a value is part of the result.
 #[doc(alias = "hysteresis")]
 #[doc(alias = "brute force")]
 pub fn sweep<S: Oscillator>(
@@ -131,8 +134,8 @@ pub fn sweep<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The attractors as a parameter rises and falls: [`sweep`], with the bound of this search at
-    /// each value. A sweep that is stopped keeps the results found so far.
+    /// The function [`sweep`], with the watcher of this search, and with its bound at each value. A
+    /// sweep that is stopped keeps the results found so far.
     ///
     /// # Errors
     ///

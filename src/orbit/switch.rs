@@ -31,27 +31,28 @@ const BESIDE: [f64; 2] = [1e-3, 1e-4];
 const APART: f64 = 0.5;
 
 impl<S: Oscillator> Bifurcation<S> {
-    /// A motion near a flip or a pitchfork, on the branch that is born there. Pass it to
-    /// [`follow`](super::follow()) to compute the branch.
+    /// A motion near a flip or a pitchfork, on the branch that is born there. Pass the motion to
+    /// [`follow`](super::follow()) to compute this branch.
     ///
-    /// At a flip the new motion has twice the period. At a pitchfork the new motion lacks the
-    /// symmetry; its mirror image is a second new motion. `family` is the family that was followed.
-    /// Let G be the map over half the new period; at a pitchfork, this map and then the reflection.
-    /// Let x0 be the start of the motion at the bifurcation, and w the eigenvector with G'w = −w of
-    /// the Jacobian matrix G'. The start x of the new motion is sought near x0 + εw, on a plane
-    /// parallel to the old branch. The distances ε = 10⁻², 3·10⁻³ and 3·10⁻², relative to the size
-    /// of the motion, are tried in turn. The equations are
+    /// `family` is the family that was followed. At a flip the new motion has twice the period. At
+    /// a pitchfork the new motion lacks the symmetry; its mirror image is a second new motion. Let
+    /// G be the map over half the period of the new motion, at a pitchfork followed by the
+    /// reflection. Let x0 be the start of the motion at the bifurcation, and w the eigenvector with
+    /// G'w = −w of the Jacobian matrix G'. The start x of the new motion is sought near x0 + εw, on
+    /// a plane parallel to the old branch. The equations are
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
     /// ```
     ///
-    /// The parameter differs from that of the bifurcation by an amount of order ε².
-    /// [`criticality`](Self::criticality) returns the side on which the new motions exist.
+    /// The distances |ε| = 10⁻², 3·10⁻³ and 3·10⁻², relative to the size of the motion, are tried
+    /// one after the other. The parameter differs from that of the bifurcation by an amount of
+    /// order ε². [`criticality`](Self::criticality) returns the side on which the new motions
+    /// exist.
     ///
-    /// At the bifurcation the new branch turns back: at a flip through the same motions, at a
-    /// pitchfork through their mirror images. [`follow`](super::follow()) reports a
-    /// [`BifurcationKind::Fold`] at this point.
+    /// At the bifurcation the new branch turns back. Beyond a flip it contains the same motions
+    /// again, half a period later; beyond a pitchfork, their mirror images.
+    /// [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] at this point.
     ///
     /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch
     /// switching); J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric
@@ -60,7 +61,7 @@ impl<S: Oscillator> Bifurcation<S> {
     /// # Errors
     ///
     /// [`Error::NoSwitch`] for other kinds of bifurcation; [`Error::At`], with the parameter, if
-    /// the family has no system at this parameter, or if no motion of the new branch is found.
+    /// the family returns an error at this parameter, or if no motion of the new branch is found.
     ///
     /// ```
     /// use stick_slip::orbit::{self, BifurcationKind, Criticality, Period};
@@ -98,9 +99,9 @@ impl<S: Oscillator> Bifurcation<S> {
         Search::new().switch(self, family)
     }
 
-    /// Returns the side of the bifurcation on which the new motions exist: supercritical if the old
-    /// motion is unstable on this side, subcritical if it is stable. `born` is one of the new
-    /// motions, found by [`switch`](Self::switch).
+    /// Returns the side of the bifurcation on which the new motions exist. The bifurcation is
+    /// supercritical if the old motion is unstable on this side, and subcritical if the old motion
+    /// is stable. `born` is one of the new motions, found by [`switch`](Self::switch).
     ///
     /// The result is degenerate if the multipliers do not determine the side, for example if other
     /// multipliers lie near the unit circle.
@@ -126,12 +127,11 @@ impl<S: Oscillator> Bifurcation<S> {
 }
 
 impl Search<'_> {
-    /// A motion on the branch that is born at a flip or a pitchfork, as in [`Bifurcation::switch`],
-    /// with the watcher of this search.
+    /// The function [`Bifurcation::switch`], with the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`Bifurcation::switch`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`Bifurcation::switch`]; [`Error::Stopped`] if the watcher stops the search.
     pub fn switch<S: Oscillator>(
         &self,
         from: &Bifurcation<S>,

@@ -7,16 +7,15 @@ use crate::error::Error;
 use crate::motion::System;
 use crate::numerics::trace::End;
 
-/// A curve of bifurcations of periodic motions in two parameters; returned by [`locus`].
-///
-/// [`locus`]: super::locus
+/// A curve of bifurcations of periodic motions in two parameters; returned by
+/// [`locus`](super::locus()).
 #[non_exhaustive]
 pub struct Locus<S: System> {
     /// The kind of bifurcation.
     pub kind: LocusKind,
     /// The points, from one end of the curve to the other.
     pub points: Vec<LocusPoint<S>>,
-    /// The special points between these points, in the same order.
+    /// The special points of the curve, in the order of `points`.
     pub special: Vec<SpecialPoint<S>>,
     /// The reasons why the curve ends before its first point, and after its last one.
     pub ends: [LocusEnd; 2],
@@ -34,7 +33,7 @@ pub struct LocusPoint<S: System> {
 /// A special point of a [`Locus`].
 #[non_exhaustive]
 pub struct SpecialPoint<S: System> {
-    /// The second condition that holds at this point.
+    /// The second condition, which holds at this point in addition to that of the curve.
     pub kind: SpecialKind,
     /// The two parameters, in their own units.
     pub parameters: [f64; 2],
@@ -59,14 +58,14 @@ pub enum LocusKind {
         /// The contact.
         contact: usize,
     },
-    /// At an instant of zero relative velocity, the force that stick would need equals the static
-    /// limit. On one side of the curve the contact sticks at this instant; on the other side it
-    /// slips on in the opposite direction.
+    /// At an instant of zero relative velocity, the force that the contact needs to stick equals
+    /// the static limit. On one side of the curve the contact sticks at this instant. On the other
+    /// side it slips on in the opposite direction.
     StopOnset {
         /// The contact.
         contact: usize,
     },
-    /// Two contacts have events at the same time; the order of these events differs on the two
+    /// Two contacts have events at the same time. The order of these events differs on the two
     /// sides of the curve.
     Order {
         /// The two contacts, in ascending order.
@@ -143,7 +142,7 @@ impl<S: System> fmt::Debug for SpecialPoint<S> {
     }
 }
 
-/// The kind of a special point of a curve in two parameters: a point at which a second condition
+/// The kind of a special point of a curve in two parameters. At a special point a second condition
 /// holds (codimension two).
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 8 (equilibria) and 9
@@ -151,17 +150,17 @@ impl<S: System> fmt::Debug for SpecialPoint<S> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SpecialKind {
-    /// Two curves of folds meet tangentially; between the curves there are three motions.
+    /// Two curves of folds meet tangentially. Between these curves there are three motions.
     Cusp,
-    /// Strong resonance: the critical multipliers are both 1 (number 1), both −1 (number 2),
-    /// exp(±2πi/3) (number 3) or ±i (number 4). A curve of Neimark-Sacker bifurcations begins or
-    /// ends at numbers 1 and 2.
+    /// Strong resonance 1:n, with the number n from 1 to 4. The two critical multipliers are both 1
+    /// (n = 1), both −1 (n = 2), exp(±2πi/3) (n = 3) or ±i (n = 4). A curve of Neimark-Sacker
+    /// bifurcations begins or ends at 1:1 and 1:2 resonances.
     Resonance(u8),
     /// One multiplier is +1 and another is −1.
     FoldFlip,
     /// A multiplier is +1, and a pair of multipliers lies on the unit circle.
     FoldNeimarkSacker,
-    /// A symmetric motion is at a pitchfork and at a fold: its multiplier +1 is double.
+    /// A symmetric motion is at a pitchfork and at a fold: the multiplier +1 is double.
     FoldPitchfork,
     /// A symmetric motion is at a pitchfork, and a pair of multipliers lies on the unit circle.
     PitchforkNeimarkSacker,
@@ -171,18 +170,18 @@ pub enum SpecialKind {
     DoubleNeimarkSacker,
     /// A multiplier is +1, and a contact that slips reaches relative velocity 0 tangentially.
     FoldGrazing,
-    /// Two conditions on the events hold at once. For example, two contacts reach relative velocity
-    /// 0 tangentially, or one contact does so at two instants of the period.
+    /// Two conditions on the events hold at the same time. For example, two contacts reach relative
+    /// velocity 0 tangentially, or one contact does so at two instants of the period.
     DoubleGrazing,
-    /// Hopf points change from supercritical to subcritical: a curve of folds of limit cycles
-    /// begins.
+    /// On a curve of Hopf points, the bifurcation changes from supercritical to subcritical. A
+    /// curve of folds of limit cycles begins at this point.
     Bautin,
     /// On a curve of Hopf points, a second pair of eigenvalues is imaginary.
     DoubleHopf,
     /// On a curve of Hopf points, another eigenvalue is 0.
     ZeroHopf,
-    /// One of the two parameters has a local maximum or minimum along the curve. The number is 0
-    /// for the first parameter and 1 for the second.
+    /// On a curve of Hopf points, one of the two parameters has a local maximum or minimum. The
+    /// number is 0 for the first parameter and 1 for the second.
     Turn(usize),
 }
 
@@ -215,36 +214,36 @@ pub enum LocusEnd {
     Ranges,
     /// The curve is closed: it returned to its start.
     Closed,
-    /// The curve ends at its last special point, for example a 1:1 resonance: beyond this point the
+    /// The curve ends at its last special point, for example a 1:1 resonance. Beyond this point the
     /// bifurcation is of another kind.
     Special,
-    /// The events of the motion change beyond the last point, and no curve of this kind continues:
-    /// the motion or its derivative jumps there.
+    /// Beyond the last point the motion has other events, and the motion or its derivative jumps
+    /// there. No curve of this kind continues.
     Jump,
-    /// The motion shrank to a point: steady sliding has a Hopf bifurcation there (a Bautin point,
-    /// if the curve is one of folds).
+    /// The motion shrank to a point: steady sliding has a Hopf bifurcation at these parameters. At
+    /// the end of a curve of folds this is a Bautin point.
     Hopf {
-        /// The parameters there.
+        /// The parameters at this end.
         parameters: [f64; 2],
     },
     /// The steps become shorter and shorter: the last 128 steps together are shorter than 1e-3, in
     /// units of the size of the motion and of the ranges of the parameters. Near the last point the
-    /// motion has no derivative with respect to the parameters, for example because a grazing
+    /// motion has no derivative with respect to the parameters. An example is a grazing that
     /// coincides with another event of the same contact.
     Crawls {
         /// The parameters of the last point.
         parameters: [f64; 2],
     },
-    /// A limit of work was reached: 2048 points or 2·10⁷ steps in one direction
-    /// ([`Search`](crate::orbit::Search) sets other limits), or 2·10⁵ motions tried.
+    /// A limit of work was reached: 2048 points, 2·10⁷ integration steps or 2·10⁵ motions tried, in
+    /// one direction. [`Search`](crate::orbit::Search) sets other limits of points and steps.
     Work,
     /// The watcher stopped the search.
     Stopped {
         /// The parameters of the last point.
         parameters: [f64; 2],
     },
-    /// The curve was lost: the family has no system beyond the last point, or Newton's method does
-    /// not converge even with the shortest step.
+    /// The curve was lost: the family returns an error beyond the last point, or Newton's method
+    /// does not converge even with the shortest step.
     Lost {
         /// The parameters of the last point.
         parameters: [f64; 2],

@@ -40,11 +40,11 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 ///
 /// `family` returns the system for values of the two parameters, which may be anything that a
 /// closure can set. `at` is a bifurcation over the first parameter, found by
-/// [`follow`](super::follow); `second` is the value of the second parameter at which it was found.
-/// Both values lie in the given ranges. Newton's method may call `family` outside a range, at most
-/// 1/64 of its width away from it.
+/// [`follow`](super::follow). `second` is the value of the second parameter at which `follow` found
+/// this bifurcation. Both values lie in the given ranges. Newton's method may call `family` outside
+/// a range, at most 1/64 of the range's width away from it.
 ///
-/// The start x, the period T of an autonomous motion and both parameters p, q satisfy
+/// The start x, the period T of an autonomous motion and the two parameters p and q satisfy
 ///
 /// ```text
 /// P(x, T; p, q) − x = 0,    g(x, T; p, q) = 0,
@@ -54,63 +54,70 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 ///
 /// | [`BifurcationKind`] | [`LocusKind`] | g |
 /// |---|---|---|
-/// | fold, flip, Neimark-Sacker | of the same name | scalar of a bordered matrix; 0 if a multiplier is 1 or −1, or a pair is exp(±iθ) |
+/// | fold, flip, Neimark-Sacker | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier is 1 (fold) or −1 (flip), or if a pair of multipliers is exp(±iθ) |
 /// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
-/// | pitchfork | of the same name | scalar of a bordered matrix of the half-period map G; 0 if G has a multiplier −1. The first equation is G(x) = x instead of P(x) = x |
-/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that stick would need, the load N and the static coefficient μ_s |
+/// | pitchfork | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier of the half-period map G is −1 (see [`BifurcationKind::Pitchfork`]). The first equation is G(x) = x instead of P(x) = x |
+/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
 /// | change of events | [`Order`](LocusKind::Order) | the time between two events of two contacts |
 ///
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
 /// is exact. The derivatives of g, and the derivatives with respect to parameters, are differences
-/// between motions with the same events. These differences determine the steps of Newton's method,
-/// not its result: parameters are exact to the rounding error of the map. This error grows near
-/// events that become tangential.
+/// between motions with the same events. These differences influence only the convergence of
+/// Newton's method: the parameters that it finds are exact to the rounding error of the period map.
+/// This error grows near events that become tangential.
 ///
 /// Special points are zeros of test functions along the curve:
 ///
 /// | curve | special points |
 /// |---|---|
-/// | fold | [`Cusp`](SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker; at its end [`FoldGrazing`](SpecialKind::FoldGrazing) |
+/// | fold | [`Cusp`](SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker; at an end of the curve [`FoldGrazing`](SpecialKind::FoldGrazing) |
 /// | flip | 1:2 resonance, fold-flip, flip-Neimark-Sacker |
-/// | Neimark-Sacker | resonances 1:1 and 1:2, at which the curve ends, 1:3 and 1:4; fold-, flip- and double Neimark-Sacker |
+/// | Neimark-Sacker | 1:1 and 1:2 resonances, at which the curve ends; 1:3 and 1:4 resonances; fold-Neimark-Sacker, flip-Neimark-Sacker, double Neimark-Sacker |
 /// | pitchfork | 1:1 resonance, fold-pitchfork, pitchfork-Neimark-Sacker |
 /// | grazing | fold-grazing |
-/// | grazing, onset of stops, order | at its end [`DoubleGrazing`](SpecialKind::DoubleGrazing) |
+/// | grazing, onset of stops, order | at an end of the curve [`DoubleGrazing`](SpecialKind::DoubleGrazing) |
 ///
-/// Two zeros of one test function within a step (at most 1/64 of the ranges) can be missed. The
-/// coefficients of normal forms (generalised flip, Chenciner, a pitchfork that turns subcritical)
-/// are not computed.
+/// Two zeros of the same test function within a step (at most 1/64 of the ranges) can be missed.
+/// The coefficients of normal forms are not computed. Generalised flips, Chenciner points, and
+/// points at which a pitchfork turns subcritical are therefore not found.
 ///
-/// If the period map is smooth at a change of the events, a curve of folds, flips or Neimark-Sacker
-/// bifurcations continues beyond the change; otherwise it ends with
-/// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
-/// ends with `Jump` at every such change. On a curve of grazings, the instant of grazing can
-/// approach another event of the same contact, such as a release. The steps then become ever
-/// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of an
-/// autonomous motion that shrinks to a point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf).
-/// The parameters of this end are extrapolated, with an error of about 1e-8 of the ranges.
+/// The sequence of events can change along a curve of folds, flips, pitchforks or Neimark-Sacker
+/// bifurcations. If the period map is smooth at the change, the curve continues beyond it.
+/// Otherwise the curve ends with [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings,
+/// onsets of stops or event orders ends with `Jump` at every change of the other events. On a curve
+/// of grazings, the instant of grazing can approach another event of the same contact, such as a
+/// release. The steps then become ever shorter, and the curve ends with
+/// [`LocusEnd::Crawls`](super::LocusEnd::Crawls). If an autonomous motion shrinks to a point, the
+/// curve ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
+/// extrapolated, with an error of about 1e-8 of the ranges.
 ///
-/// Four changes of events have no curve here: a sticking contact that reaches its limit
-/// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop at
-/// contacts that share coordinates.
+/// For four changes of events no curve can be computed:
 ///
-/// At a grazing end of a branch the derivative of the map is unbounded: the first multiplier is
-/// infinite, and the others are NaN.
+/// * a sticking contact reaches its limit tangentially;
+/// * a load falls to 0 and opens a contact;
+/// * a drive jumps;
+/// * a stop begins at a contact that shares coordinates with another contact.
+///
+/// On a curve of [grazing ends](super::BranchEnd::Grazing) of branches, the derivative of the
+/// period map is unbounded: the first multiplier is infinite, and the others are NaN.
 ///
 /// Each step of Newton's method takes about ten motions. The limits in each direction are 2048
-/// points, 2·10⁵ motions and 2·10⁷ steps of motions; [`Search`] sets other limits and takes a
-/// watcher.
+/// points, 2·10⁵ motions tried and 2·10⁷ integration steps. [`Search`] sets other limits of points
+/// and steps and accepts a watcher.
 ///
 /// Sources: Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and
-/// 4; Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10; di Bernardo, Budd,
-/// Champneys and Kowalczyk, *Piecewise-smooth Dynamical Systems*, chapters 8 and 9 (events).
+/// 4 (bordered matrices); Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10;
+/// di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth Dynamical Systems*, chapters 8 and
+/// 9 (events).
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the ranges are finite, are not empty and contain the two
-/// values; [`Error::At`], with the parameters, if the family has no system at these values, or if
-/// no such bifurcation is found there. `Error::At` contains [`Error::NotSmooth`] if the change of
-/// events has none of the kinds above.
+/// * [`Error::InvalidParameter`] unless the ranges are finite, are not empty and contain the two
+///   values;
+/// * [`Error::At`], with the parameters, if the family returns an error at these values, or if no
+///   such bifurcation is found there;
+/// * [`Error::At`] with [`Error::NotSmooth`], if the change of events has no row in the first
+///   table.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, LocusEnd, Period};
@@ -140,8 +147,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// The pure-slip motion under a harmonic force of frequency Ω first reaches the belt velocity at
-/// the force amplitude v_b √((1 − Ω²)² + (cΩ)²)/Ω, with the damping c:
+/// With the damping c, the pure-slip motion under a harmonic force of frequency Ω first reaches the
+/// belt velocity at the force amplitude v_b √((1 − Ω²)² + (cΩ)²)/Ω:
 ///
 /// ```
 /// use stick_slip::orbit::{self, LocusKind, Period};
@@ -180,12 +187,12 @@ pub fn locus<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The curve through a bifurcation in two parameters: [`locus`], within the bounds of this
-    /// search.
+    /// The function [`locus`], with the bounds and the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`locus`]; [`Error::Stopped`] if the watcher stops it before the first point.
+    /// The errors of [`locus`]; [`Error::Stopped`] if the watcher stops the search before the first
+    /// point.
     pub fn locus<S: Oscillator>(
         &self,
         family: impl Fn(f64, f64) -> Result<S, Error>,

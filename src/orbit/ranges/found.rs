@@ -12,28 +12,29 @@ use crate::motion::System;
 /// [`vibration_ranges`](super::vibration_ranges()).
 #[non_exhaustive]
 pub struct VibrationRanges<S: System> {
-    /// The ranges, in ascending order; together they cover the range that was searched, except
-    /// where the family has no system.
+    /// The ranges, in ascending order. Together they cover the range that was searched, except the
+    /// values at which the family returns an error.
     pub ranges: Vec<VibrationRange>,
     /// The branches of periodic motions that were followed.
     pub branches: Vec<Branch<S>>,
-    /// The attractors that the system reached at 17 equidistant values, upward and downward.
+    /// The attractors that the sweep reached at 17 equidistant values, upward and downward.
     pub sweep: Sweep<S>,
 }
 
 /// A range of a parameter of any system with the same attractors throughout; part of
-/// [`VibrationRanges`]. For a mass on a belt,
-/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a similar type without
-/// the kinds of the borders. The search for that type misses no attractor at the velocities that it
-/// tries.
+/// [`VibrationRanges`].
+///
+/// For a mass on a belt, [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a
+/// similar type without the kinds of the borders. The search that returns it misses no attractor at
+/// the velocities that it tries.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct VibrationRange {
     /// The values of the parameter, in its own units.
     pub parameters: Range<f64>,
-    /// The kinds of all attractors that were found, one entry for each attractor. If there are two
-    /// or more, the range has hysteresis: the start determines which attractor is reached.
+    /// The kinds of all attractors that were found, one entry for each attractor. Two or more
+    /// entries mean hysteresis: the start determines which attractor the motion reaches.
     pub attractors: Vec<AttractorKind>,
     /// The reasons why the attractors change at the two ends of the range.
     pub borders: [Border; 2],
@@ -57,7 +58,7 @@ pub enum Border {
     Divergence,
     /// Steady sliding begins to exist or ceases to exist.
     NoSteadySliding,
-    /// The family returns an error on the other side: it has no system there.
+    /// The family returns an error on the other side.
     NoSystem,
     /// A periodic motion reaches a fold: it meets an unstable motion, and both vanish.
     Fold,
@@ -67,11 +68,11 @@ pub enum Border {
     Pitchfork,
     /// A pair of multipliers of a periodic motion passes the unit circle.
     NeimarkSacker,
-    /// An event of a periodic motion becomes tangential: the motion meets another one and both
-    /// vanish, or the motion changes its kind or its stability.
+    /// An event of a periodic motion becomes tangential. Either the motion meets another motion and
+    /// both vanish, or the motion changes its kind or its stability. A branch that ends with
+    /// [`BranchEnd::OneWaySlip`](super::super::BranchEnd::OneWaySlip) has this border, too.
     Grazing,
-    /// The sequence of events of a periodic motion changes, and with it the kind or the stability
-    /// of the motion.
+    /// A periodic motion changes its sequence of events, and also its kind or its stability.
     Sequence,
     /// A periodic motion jumps: see
     /// [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).

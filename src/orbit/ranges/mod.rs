@@ -39,34 +39,33 @@ const SMALL: f64 = 1e-3;
 
 /// The attractors of a system over a range of a parameter: the ranges of steady sliding, of
 /// vibration, and of hysteresis, with the critical values between these ranges. In a range of
-/// hysteresis the past of the motion decides between steady sliding and vibration.
+/// hysteresis there are several attractors, and the past of the motion decides between them.
 ///
 /// `family` returns the system for a value of the parameter. Two searches find periodic motions.
 /// One is a [`sweep`](super::sweep()) from rest over 17 equidistant values, upward and downward.
 /// The other finds the Hopf points of steady sliding, at which motions [begin](super::begin()).
-/// Each new motion that lies on no known branch is [followed](super::follow()) in both directions,
-/// through folds, to the ends of its branch. The end of stick-slip is therefore the fold or grazing
-/// itself, not the last value at which a simulation showed stick. Motions that no simulation from
-/// steady sliding reaches are also found, if they lie on a branch of a motion that was found.
+/// Each motion found that lies on no known branch is [followed](super::follow()) in both
+/// directions, through folds, to the ends of its branch. The end of stick-slip is therefore the
+/// fold or grazing itself, not the last value at which a simulation showed stick. The branches also
+/// contain motions that no simulation from steady sliding reaches.
 ///
 /// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
 /// range, like those of [`follow`](super::follow()). Hopf points in [`VibrationRange::parameters`]
-/// are exact to rounding, because they follow from the eigenvalues of steady sliding; a
-/// [`BranchEnd::Hopf`] is extrapolated from the motions of its branch. Parameters at which the
-/// family returns an error belong to no range; the ranges next to them end with
+/// are exact to rounding, because they follow from the eigenvalues of steady sliding. Parameters at
+/// which the family returns an error belong to no range; the ranges next to them end with
 /// [`Border::NoSystem`]. Attractors on a branch that neither search reaches are missed. If the
 /// sweep finds chaos instead of a periodic motion, the range contains [`AttractorKind::Irregular`].
 ///
 /// The work is a sweep over 34 values, and one [`follow`](super::follow()) for each branch: seconds
 /// for a few masses, tens of seconds for a dozen masses. [`Search::vibration_ranges`] sets a bound
-/// of the work and takes a watcher. For a mass on a belt of constant velocity,
+/// of the work and accepts a watcher. For a mass on a belt of constant velocity,
 /// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and misses no
 /// attractor at the velocities that it tries.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless the range is finite and not empty; [`Error::At`], with the
-/// parameter, if the family has no system at its start.
+/// parameter, if the family returns an error at the start of the range.
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, Border};
@@ -103,8 +102,8 @@ pub fn vibration_ranges<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The attractors over a range of a parameter: [`vibration_ranges`], within the bounds of this
-    /// search. A search that is stopped returns the ranges known so far.
+    /// The function [`vibration_ranges`], with the bounds and the watcher of this search. If the
+    /// watcher stops the search, the result contains the ranges known so far.
     ///
     /// # Errors
     ///

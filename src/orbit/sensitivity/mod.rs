@@ -46,10 +46,10 @@ pub struct EventSensitivity {
 pub struct OrbitSensitivities {
     /// The derivative ∂T/∂p of the period T with respect to each parameter p.
     pub period: Vec<f64>,
-    /// The motion over one period with its derivatives. The motion begins between events, at the
-    /// first of [`Sensitivities::times`]; for an autonomous motion this time may be later than the
-    /// start of the orbit. The derivative of an autonomous motion at this start is normal to the
-    /// flow.
+    /// The motion over one period with its derivatives. It begins between two events, at the first
+    /// of [`Sensitivities::times`]. For an autonomous motion times are counted from this beginning.
+    /// The beginning may lie later on the orbit than [`Orbit::state`], and the derivative of the
+    /// state at the beginning is normal to the flow.
     pub motion: Sensitivities,
 }
 
@@ -68,13 +68,13 @@ impl Sensitivities {
         inside.then(|| self.here.state_at(self.here.passed(time), time))?
     }
 
-    /// The derivatives of the state at a time. The matrix has a row for each displacement, then
-    /// each velocity, then each memory variable, and a column for each parameter. Entries are in
-    /// units of the variable per unit of the parameter. The result is `None` if the time lies
-    /// outside the motion or is NaN.
+    /// The derivatives of the state at a time. The matrix has a row for each displacement, then for
+    /// each velocity, then for each memory variable. It has a column for each parameter. Entries
+    /// are in units of the variable per unit of the parameter. The result is `None` if the time
+    /// lies outside the motion or is NaN.
     ///
-    /// The derivative is taken at a fixed time. At an event, where velocities have a kink, the
-    /// result is the derivative just before the event.
+    /// The derivative is taken at a fixed time. The derivative of a velocity jumps at an event; at
+    /// the time of the event the result is the derivative just before the jump.
     pub fn at(&self, time: f64) -> Option<DMatrix<f64>> {
         if !(self.begin..=self.here.end).contains(&time) {
             return None;
@@ -131,8 +131,8 @@ impl Sensitivities {
     }
 }
 
-/// The motion of a family of systems over a duration, with the derivatives of the state at any
-/// time, and of the times of events, with respect to all parameters.
+/// The motion of a family of systems over a duration, with its derivatives with respect to all
+/// parameters: those of the state at any time, and those of the times of events.
 ///
 /// `family` returns the system and its start at time 0 for values of the parameters. Parameters may
 /// be anything that a closure can set: coefficients of a law, loads, stiffnesses, belt velocities,
@@ -142,20 +142,22 @@ impl Sensitivities {
 /// the same events at slightly different times. Near an event each motion is continued by its own
 /// power series, so that the difference of two motions has no jump. The derivatives are differences
 /// of fourth order between motions exact to rounding. The increment of the parameter changes the
-/// motion by a thousandth of the motion's size, or by less if smaller increments give derivatives
-/// that agree better with each other. The error is about 1e-11 of the largest derivative, and below
-/// 1e-10 for all reference motions. If on one side the family has no system, or the motion has
-/// other events, the difference is one-sided.
+/// motion by a thousandth of the motion's size. It is smaller if smaller increments give
+/// derivatives that agree better with each other. The error is about 1e-11 of the largest
+/// derivative, and below 1e-10 for all reference motions of the tests. The difference is one-sided
+/// if the family returns an error on one side of the parameter, or if the motion has other events
+/// there.
 ///
 /// The work is about twenty motions for each parameter.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless the duration is positive and finite;
-/// [`Error::InvalidParameter`] unless all parameters are finite; [`Error::NoDerivative`], with the
-/// number of the parameter, if even the smallest increments of this parameter change the sequence
-/// of events (as at grazing) or have no system; the errors of the family; the errors of
-/// [`Integrator::simulate`](crate::Integrator::simulate).
+/// * [`Error::InvalidDuration`] unless the duration is positive and finite;
+/// * [`Error::InvalidParameter`] unless all parameters are finite;
+/// * [`Error::NoDerivative`], with the number of the parameter, if even the smallest increments of
+///   this parameter change the sequence of events (as at grazing), or if the family returns an
+///   error for them;
+/// * the errors of the family, and those of [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::orbit::sensitivities;
@@ -209,8 +211,8 @@ pub fn sensitivities<S: Oscillator>(
     Sensitivities::of(parameters, 0.0, order, &run)
 }
 
-/// A periodic motion of a family of systems, with the derivatives of the period, of the state at
-/// any time, and of the times of events, with respect to all parameters.
+/// A periodic motion of a family of systems, with its derivatives with respect to all parameters:
+/// those of the period, of the state at any time, and of the times of events.
 ///
 /// `family` returns the system for values of the parameters, and `orbit` is its motion for
 /// `parameters`. The derivatives ∂x/∂p of the start and ∂T/∂p of the period follow from the exact
@@ -220,8 +222,8 @@ pub fn sensitivities<S: Oscillator>(
 /// (M − 1) ∂x/∂p + x'(T) ∂T/∂p = −∂P/∂p,
 /// ```
 ///
-/// where P is the period map. For an autonomous motion ∂x/∂p is normal to the flow at the start. In
-/// a continuum of motions the minimum-norm solution is taken.
+/// where P is the period map. For an autonomous motion ∂x/∂p is normal to the flow at the start. If
+/// the motion belongs to a continuum, the solution ∂x/∂p of least norm is taken.
 ///
 /// # Errors
 ///
