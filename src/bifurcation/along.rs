@@ -11,10 +11,11 @@ use crate::friction::FrictionLaw;
 use crate::limit_cycle::Tracer;
 
 /// The search of a family of systems along a parameter: a load, a damping, a coefficient of the
-/// law, a belt velocity, or any other number from which the closure makes a system.
+/// law, a belt velocity, or any other number.
 ///
-/// The methods of [`Along`] run the searches. The range may contain negative values; no symmetry
-/// about 0 is assumed. The family should be continuous in the parameter, except at a few values.
+/// `family` returns the system for a value of the parameter. It should be continuous in the
+/// parameter, except at a few values. The range may contain negative values; no symmetry about 0 is
+/// assumed. The methods of [`Along`] run the searches.
 ///
 /// ```
 /// use stick_slip::{Error, Exponential, MassOnBelt, bifurcation};
@@ -40,10 +41,10 @@ pub fn along<'f, L: FrictionLaw>(
     Along::of(Family::Systems(Box::new(family)), range, "parameter")
 }
 
-/// The search of one system along its belt velocity. Its methods return the results of the
-/// functions [`hopf_velocities`](super::hopf_velocities),
-/// [`grazing_velocities`](super::grazing_velocities) and so on; a bound of the work and a watcher
-/// can be set first. The system's own v_b is ignored.
+/// The search of one system along its belt velocity. The methods return the same results as
+/// [`hopf_velocities`](super::hopf_velocities), [`grazing_velocities`](super::grazing_velocities)
+/// and the other functions for belt velocities. Before the search, a bound of the work and a
+/// watcher can be set. The system's own v_b is ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///
@@ -68,22 +69,24 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 ///
 /// The unit of work is one step of a slip phase, which takes about a microsecond. If friction is so
 /// stiff that a step needs several series, the step counts several times. An oscillation takes
-/// about ten steps, and two more for each breakpoint of the law that it passes. For one system
+/// about ten steps, and two more for each breakpoint of the law that it passes.
+///
+/// A search computes 65 systems, and some tens more for each value that is found. For each system
 /// [`hopf`](Self::hopf) takes no steps. [`grazing`](Self::grazing), [`touching`](Self::touching)
 /// and [`overshoot`](Self::overshoot) compute one slip arc, and [`crossing`](Self::crossing)
 /// computes two. [`folds`](Self::folds) computes some ten oscillations for a smooth law, and up to
-/// a hundred for a table of scattered points. A search of a range computes 65 systems, and some
-/// tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) runs all
-/// six searches.
+/// a hundred for a table of scattered points. [`vibration_ranges`](Self::vibration_ranges) runs all
+/// these six searches.
 ///
 /// A million steps take one to two seconds. For example, the folds for a table of n widely
 /// scattered points take about 200 n² steps: a second for 60 points, and a minute or two for 400
 /// points. For 400 points the default bound must be raised.
 ///
-/// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps, after the number set
-/// by [`with_max_steps`](Self::with_max_steps), or when its [watcher](Self::watched) stops it. The
-/// bound and the watcher are checked before each system; one system takes at most about 2·10⁵
-/// steps. [`Error::Stopped`] contains the value reached and the results below it, so no result is
+/// A search stops if the number of steps reaches its bound, or if its [watcher](Self::watched)
+/// stops it. The bound is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) unless
+/// [`with_max_steps`](Self::with_max_steps) sets it. Bound and watcher are checked before each
+/// system; one system takes at most about 2·10⁵ steps. A search that stops returns
+/// [`Error::Stopped`] with the value reached and the results below this value, so no result is
 /// lost. After this error, smooth the table, raise the bound, or search the rest of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
@@ -108,7 +111,8 @@ enum Family<'f, L> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Value of the parameter to be searched next. It usually ascends, but not at every call.
+    /// Value of the parameter to be searched next. From call to call this value usually rises, but
+    /// not always.
     pub value: f64,
     /// Number of systems searched so far.
     pub systems: usize,
@@ -117,9 +121,9 @@ pub struct Progress {
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
-    /// The default bound of the work of a search, in steps of slip phases. This number of steps
-    /// takes five to ten seconds. The functions of [`bifurcation`](super) that search a range, a
-    /// damping or a load have the same bound.
+    /// The default bound of the work of a search, in steps of slip phases: 5·10⁶, which take five
+    /// to ten seconds. The functions of [`bifurcation`](super) that search a range, a damping or a
+    /// load have the same bound.
     pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
 
     fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
@@ -132,7 +136,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    /// Sets the name of the parameter, which errors contain.
+    /// Sets the name of the parameter. Errors contain this name.
     #[must_use]
     pub fn named(self, parameter: &'static str) -> Self {
         Self { parameter, ..self }
@@ -171,9 +175,9 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         Ok(Self { max_steps, ..self })
     }
 
-    /// Sets the watcher, a function that is called before each system of a search. It can show the
-    /// progress, and it can stop the search by [`ControlFlow::Break`]; the search then returns
-    /// [`Error::Stopped`].
+    /// Sets the watcher, a function that is called before each system of a search. The watcher can
+    /// show the progress. It can stop the search by returning [`ControlFlow::Break`]; the search
+    /// then returns [`Error::Stopped`].
     ///
     /// ```
     /// use std::ops::ControlFlow::{Break, Continue};

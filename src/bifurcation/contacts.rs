@@ -15,28 +15,33 @@ use crate::state::Direction;
 /// disappears. At such a v_b, the velocity of the mass after release reaches the belt velocity
 /// again tangentially, without crossing it.
 ///
-/// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
-/// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no
-/// pure-slip cycle takes its place. Pure-slip cycles then touch the belt velocity at other values
-/// of v_b, the [`touching_velocities`].
+/// The law has the static coefficient μ_s and the kinetic coefficient μ̂(s) at the sliding speed s.
+/// If μ̂(0) = μ_s, a pure-slip cycle touches the belt velocity at this v_b and becomes stick-slip.
+/// If μ̂(0) < μ_s (Coulomb), the stick-slip cycle disappears, and no pure-slip cycle takes its
+/// place. Pure-slip cycles then touch the belt velocity at other values of v_b, the
+/// [`touching_velocities`].
 ///
 /// The velocities are the roots of a function of v_b that is smooth at each root. If the mass
 /// reaches the belt velocity again after release, the function is w²/(2v_b²), where w is the
 /// acceleration of the mass at this instant. If the velocity of the mass has a maximum V below v_b,
 /// the function is V/v_b − 1. The motions at v_b and −v_b are mirror images; both velocities are
-/// returned if both lie in the range. The range is divided into 64 intervals, and each interval
-/// that may contain a root is divided further, into up to 2¹⁰ parts. A root may be missed if the
-/// range is a thousand times wider than the part in which the system vibrates; use a narrower range
-/// in this case. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched, because a motion of
-/// size v_b is then smaller than the rounding errors of the displacement.
+/// returned if both lie in the range.
+///
+/// The range is divided into 64 intervals. Each interval that may contain a root is divided
+/// further, into up to 2¹⁰ parts. If the range is a thousand times wider than the part in which the
+/// system vibrates, a root may be missed: use a narrower range. Velocities below 64 ε γ²μ_s are not
+/// searched, with the friction load γ² and ε = 2⁻⁵². At these velocities a motion of size v_b is
+/// smaller than the rounding errors of the displacement.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty; otherwise [`Error::At`],
-/// with the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
+/// * [`Error::InvalidParameter`] unless the range is finite and not empty;
+/// * [`Error::At`], with the belt velocity and one of the errors of
+///   [`limit_cycle::find`](crate::limit_cycle::find);
+/// * [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -58,8 +63,9 @@ pub fn grazing_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
 /// overshoot, or overshoot into plain stick-slip (see
-/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a v_b, the mass returns to the belt
-/// velocity after release exactly at the end of the stick band opposite to the release point.
+/// [`CycleKind`](crate::limit_cycle::CycleKind)). The displacements at which the mass can stick
+/// form the stick band. One end of this band is the release point. At such a v_b, the mass returns
+/// to the belt velocity after release exactly at the other end.
 ///
 /// The range is searched in the same way as in [`grazing_velocities`].
 ///
@@ -84,8 +90,9 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
-/// crossing, or crossing into overshoot. At such a v_b, the mass crosses the belt velocity after
-/// release, and then returns to it exactly at the release point.
+/// crossing, or crossing into overshoot (see [`CycleKind`](crate::limit_cycle::CycleKind)). At such
+/// a v_b, the mass crosses the belt velocity after release, and then returns to this velocity
+/// exactly at the release point.
 ///
 /// The range is searched in the same way as in [`grazing_velocities`].
 ///
@@ -119,13 +126,14 @@ pub fn crossing_velocities<L: FrictionLaw>(
 /// stable or not, stays slower than the belt. On the other side this cycle does not exist, because
 /// the mass would reach the belt velocity and stick.
 ///
-/// For a law with μ̂(0) = μ_s these are the [`grazing_velocities`]. For a law with μ̂(0) < μ_s the
-/// cycle touches the belt velocity inside the stick band, and the stick-slip cycle does not change
-/// at this v_b.
+/// The law has the static coefficient μ_s and the kinetic coefficient μ̂(s) at the sliding speed s.
+/// If μ̂(0) = μ_s, the results are the [`grazing_velocities`]. If μ̂(0) < μ_s, the cycle touches
+/// the belt velocity at a displacement at which the mass can stick, and the stick-slip cycle does
+/// not change at this v_b.
 ///
-/// The velocities are the roots of the function described at [`grazing_velocities`], computed for
-/// the motion that starts at the velocity maximum v_b, not at the release point. The range is
-/// searched in the same way.
+/// The velocities are the roots of the function described at [`grazing_velocities`], but for the
+/// motion that starts at the velocity maximum v_b, not at the release point. The range is searched
+/// in the same way.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
 /// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.
@@ -168,7 +176,8 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`grazing_velocities`], and [`Error::Stopped`].
+    /// The errors of [`grazing_velocities`]; [`Error::Stopped`] also if the watcher stops the
+    /// search.
     pub fn grazing(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
     }

@@ -18,13 +18,13 @@ pub struct DiagramPoint {
     pub cycles: CycleSet,
 }
 
-/// The equilibrium and all periodic motions at each of a list of belt velocities (dimensionless).
-/// Each item is computed when the iterator reaches it. The system's own v_b is ignored.
+/// The equilibrium and all periodic motions for each belt velocity (dimensionless) of a list. Each
+/// item is computed when the iterator reaches it. The system's own v_b is ignored.
 ///
 /// # Errors
 ///
-/// Each item can be an error of [`MassOnBelt::with_belt_velocity`], or [`Error::At`] with the belt
-/// velocity and one of the errors of [`find`](crate::limit_cycle::find); the iterator continues
+/// An item can be an error of [`MassOnBelt::with_belt_velocity`], or [`Error::At`] with the belt
+/// velocity and one of the errors of [`find`](crate::limit_cycle::find). The iterator continues
 /// after an error.
 ///
 /// ```
@@ -50,8 +50,8 @@ pub fn diagram<L: FrictionLaw>(
         .map(|v_b| point(system.belt(), *v_b.borrow()))
 }
 
-/// [`diagram`] with the belt velocities shared among threads. The results are the same, bit for
-/// bit, and in the order of the velocities.
+/// The results of [`diagram`], computed by several threads, each for some of the belt velocities.
+/// The results are the same, bit for bit, and in the order of the velocities.
 ///
 /// Needs the feature `rayon`.
 ///

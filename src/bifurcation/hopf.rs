@@ -8,20 +8,23 @@ use crate::numerics::scan::sign_changes;
 use crate::orbit::Criticality;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
-/// regains stability: h1 changes its sign,
+/// regains stability. At these velocities the damping h1 of steady sliding changes its sign:
 ///
 /// ```text
-/// h1(v) = 2β + γ² dμ̂/ds(v).
+/// h1(v_b) = 2β + γ² dμ̂/ds(|v_b|),
 /// ```
+///
+/// with the damping ratio β, the friction load γ², and the kinetic coefficient μ̂(s) at the sliding
+/// speed s.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
 /// interval. The roots of the series are isolated so that none is skipped. If h1 touches zero (to
-/// rounding) and keeps its sign, stability does not change, and nothing is reported. The motions at
-/// v_b and −v_b are mirror images; both velocities are returned if both lie in the range. A
-/// [breakpoint](FrictionLaw::breakpoints) at which h1 jumps to the other sign is reported. If h1 is
-/// zero over a whole interval of velocities and has different signs on its two sides, the end of
-/// the interval with the larger |v_b| is reported.
+/// rounding) and keeps its sign, stability does not change, and no velocity is returned. The
+/// motions at v_b and −v_b are mirror images; both velocities are returned if both lie in the
+/// range. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps to the other sign is returned.
+/// If h1 is zero over a whole interval of velocities and has different signs on its two sides, the
+/// end of the interval with the larger |v_b| is returned.
 ///
 /// For the exponential law see the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
@@ -30,9 +33,11 @@ use crate::orbit::Criticality;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty, or if the expansion of the
-/// law over the range takes more than 10⁴ power series; [`Error::NonFiniteFriction`] or
-/// [`Error::NotAnalytic`] if the law has no power series somewhere in the range.
+/// * [`Error::InvalidParameter`] unless the range is finite and not empty;
+/// * [`Error::InvalidParameter`] if the expansion of the law over the range takes more than 10⁴
+///   power series;
+/// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no power series
+///   somewhere in the range.
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -55,15 +60,15 @@ pub fn hopf_velocities<L: FrictionLaw>(
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
     ///
-    /// A search over the belt velocity works as in [`hopf_velocities`]. In a search over another
-    /// parameter, h1 is only sampled: the range is divided into 64 intervals, and each interval
-    /// that may contain a root is divided further, into up to 2¹⁰ parts. A value at which h1 jumps
-    /// to the other sign is also reported.
+    /// A search by [`along_velocities`] works as in [`hopf_velocities`]. In a search by
+    /// [`along`](super::along()), the damping h1 of steady sliding is only sampled. The range is
+    /// divided into 64 intervals, and each interval that may contain a root is divided further,
+    /// into up to 2¹⁰ parts. A value at which h1 jumps to the other sign is also returned.
     ///
     /// # Errors
     ///
-    /// In a search over the belt velocity, the errors of [`hopf_velocities`]; in a search over
-    /// another parameter, the errors of [`grazing`](Self::grazing).
+    /// In a search by [`along_velocities`], the errors of [`hopf_velocities`]. In a search by
+    /// [`along`](super::along()), the errors of [`grazing`](Self::grazing).
     pub fn hopf(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut hopf)
     }
@@ -119,11 +124,13 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
 }
 
 /// Returns whether a pure-slip cycle born at the Hopf point v_b is stable (supercritical) or
-/// unstable (subcritical), from the sign of μ̂'''(|v_b|).
+/// unstable (subcritical). The sign of the third derivative μ̂'''(|v_b|) of the kinetic coefficient
+/// decides.
 ///
 /// The function does not check that v_b is a Hopf point. If |v_b| is a breakpoint of the law, the
-/// function uses the third derivative just above this breakpoint. If h1 jumps to the other sign
-/// there, this derivative does not decide the stability.
+/// function uses the third derivative just above this breakpoint. If the damping h1 of steady
+/// sliding (see [`hopf_velocities`]) jumps to the other sign at the breakpoint, this derivative
+/// does not decide the stability.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};

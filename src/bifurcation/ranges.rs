@@ -20,21 +20,23 @@ use crate::numerics::scan::INTERVALS;
 /// [fold](super::fold_velocities) velocities. It is also cut where a
 /// [continuum](crate::limit_cycle::Continuum) begins or ends. Between two neighbouring cuts,
 /// [`find`](crate::limit_cycle::find) is called at three velocities. If the attractors at these
-/// velocities differ, the border is found by bisection, to 10⁻¹² of the velocity. (This happens at
-/// folds of cycles that cross the belt velocity, which [`fold_velocities`](super::fold_velocities)
-/// does not find.) Borders are merged if their relative distance is less than 10⁻¹². v_b = 0 is
-/// also a border, because the mass comes to rest there. Just beyond a supercritical Hopf velocity
-/// the new cycle is too small for `find`; there the function reports the attractors found farther
-/// from the Hopf velocity.
+/// velocities differ, the border between them is found by bisection, to 10⁻¹² of the velocity.
+/// (Such borders are the folds of cycles that cross the belt velocity, which
+/// [`fold_velocities`](super::fold_velocities) does not find.) Borders are merged if their relative
+/// distance is less than 10⁻¹². v_b = 0 is also a border, because on this belt the mass comes to
+/// rest.
+///
+/// Just beyond a supercritical Hopf velocity the new cycle is too small for `find`. The attractors
+/// of this interval are therefore taken from velocities farther from the Hopf velocity.
 ///
 /// Each of the six searches divides the range into 64 intervals. Two changes that undo each other
-/// within one interval can be missed, for example two folds between which a pair of cycles exists.
-/// A narrower range is searched more densely.
+/// within one of these intervals can be missed, for example two folds between which a pair of
+/// cycles exists. A narrower range is searched more densely.
 ///
-/// The cost is that of the searches for these six kinds of velocities, and of three calls of `find`
-/// for each interval. Intervals narrower than a 64th of the range are searched once more for
-/// grazing, touching, overshoot and crossing velocities. [`Along::vibration_ranges`] accepts a
-/// bound of the work, a watcher and any other parameter.
+/// The cost is that of the six searches, and of three calls of `find` between two neighbouring
+/// cuts. If two cuts are closer than a 64th of the range, grazing, touching, overshoot and crossing
+/// velocities are searched once more between them. [`Along::vibration_ranges`] accepts a bound of
+/// the work, a watcher and any other parameter.
 ///
 /// # Errors
 ///
@@ -69,15 +71,14 @@ pub fn vibration_ranges<L: FrictionLaw>(
 /// An interval of belt velocities with the same attractors throughout, for a mass on a belt.
 /// Returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
 ///
-/// For any other system use [`orbit::VibrationRange`](crate::orbit::VibrationRange). That type
-/// contains the kinds of attractors of structures and the reason for each border; the search that
-/// returns it can miss attractors.
+/// For any other system use [`orbit::VibrationRange`](crate::orbit::VibrationRange). This type also
+/// contains the reason for each border. The search that returns it can miss attractors.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct VibrationRange {
-    /// Belt velocities, dimensionless. If the search is [`along`](super::along) another parameter,
-    /// these are values of that parameter, in its own units.
+    /// Belt velocities, dimensionless. In a search [`along`](super::along) another parameter:
+    /// values of this parameter, in its own units.
     pub velocities: Range<f64>,
     /// The attractors, from the inside outwards. Empty if a motion can grow without bound, or if
     /// double precision cannot resolve the attractors.
@@ -85,15 +86,15 @@ pub struct VibrationRange {
 }
 
 impl VibrationRange {
-    /// Returns true if there are two or more attractors: the start then decides to which motion the
+    /// Returns true if there are two or more attractors. The start then decides to which motion the
     /// mass settles.
     pub fn is_bistable(&self) -> bool {
         self.attractors.len() > 1
     }
 
-    /// Returns true if a vibration can last: one of the attractors is not steady sliding, or the
-    /// list of attractors is empty (a motion can grow without bound, or double precision cannot
-    /// resolve the attractors).
+    /// Returns true if a vibration can last. This is the case if an attractor is not steady
+    /// sliding. It is also the case if the list of attractors is empty, because a motion can then
+    /// grow without bound, or double precision cannot resolve the attractors.
     pub fn vibrates(&self) -> bool {
         self.attractors != [AttractorKind::Equilibrium]
     }
@@ -110,7 +111,7 @@ pub enum AttractorKind {
     /// Steady sliding, if it is stable.
     Equilibrium,
     /// A family of periodic motions about steady sliding. None of them is asymptotically stable: a
-    /// motion that reaches the family is itself one of its members from then on.
+    /// motion that reaches the family is one of its members from that time on.
     Continuum,
     /// A stable cycle of this kind.
     Cycle(CycleKind),

@@ -10,22 +10,22 @@ use crate::numerics::bracket::Bracket;
 /// With less damping, a periodic motion exists or steady sliding is unstable. The system's own β is
 /// ignored. The result is 0 if v_b = 0.
 ///
-/// If μ̂ ≥ 0, a single border separates the dampings with vibration from those without. More
-/// damping rotates the vector field inwards at every state with v ≠ 0. Consider a cycle at one
-/// value of β: a closed curve in the phase plane. With less damping, a motion that starts outside
-/// this curve stays outside and never reaches steady sliding. A system that can vibrate at one β
-/// can therefore vibrate at every smaller β.
+/// If the kinetic coefficient μ̂ is nowhere negative, a single border separates the dampings with
+/// vibration from those without. The reason: more damping rotates the vector field inwards at every
+/// state with v ≠ 0. Consider a cycle at one value of β, a closed curve in the phase plane. With
+/// less damping, a motion that starts outside this curve stays outside and never reaches steady
+/// sliding. A system that can vibrate at one β can therefore vibrate at every smaller β.
 ///
 /// One of three changes happens at the border: steady sliding becomes stable (β =
-/// −½γ²dμ̂/ds(|v_b|)), the last two cycles meet, or the stick-slip cycle grazes the belt velocity.
-/// The function encloses the border by doubling β, and narrows the enclosure to neighbouring
-/// numbers. [`find`](crate::limit_cycle::find) decides whether a system vibrates, so the result is
-/// as complete as the search of `find`. If that search leaves a range
-/// [unresolved](crate::limit_cycle::CycleSet::unresolved), the system counts as vibrating. On very
-/// slow belts and near steady sliding, a motion may change over one period by less than the
-/// rounding error; `find` then decides by averaging. The β at which steady sliding becomes stable
-/// and the β at which vibration ends are not distinguished if their relative difference is less
-/// than 10⁻⁸.
+/// −½γ²dμ̂/ds(|v_b|), with the friction load γ²), the last two cycles meet and vanish, or the
+/// stick-slip cycle grazes the belt velocity. The function encloses the border by doubling β, and
+/// narrows the enclosure to neighbouring numbers. [`find`](crate::limit_cycle::find) decides
+/// whether a system vibrates, so the result is as complete as the search of `find`. If that search
+/// leaves a range [unresolved](crate::limit_cycle::CycleSet::unresolved), the system counts as
+/// vibrating. On very slow belts and near steady sliding, a motion may change over one period by
+/// less than the rounding error. `find` then decides by averaging. Vibration may end at a β
+/// slightly above the β at which steady sliding becomes stable. If their relative difference is
+/// less than 10⁻⁸, the result is the β at which steady sliding becomes stable.
 ///
 /// The function calls `find` once if the vibration ends where steady sliding becomes stable,
 /// otherwise 60 to 130 times. [`Along::silence`] accepts a bound of the work and a watcher.
@@ -34,9 +34,10 @@ use crate::numerics::bracket::Bracket;
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find);
-/// [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`]. No β tried is larger than the largest of
-/// 10⁻³, twice the result, and twice the β at which steady sliding becomes stable.
+/// * [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find).
+///   No β tried is larger than the largest of 10⁻³, twice the result, and twice the β at which
+///   steady sliding becomes stable;
+/// * [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};
@@ -95,14 +96,15 @@ fn judged<'s>(
     search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
 
-/// The largest friction load γ², dimensionless, with which no vibration lasts at the system's belt
+/// The largest friction load γ², dimensionless, up to which no vibration lasts at the system's belt
 /// velocity and damping. The system's own γ² is ignored.
 ///
 /// At this load one of three changes happens: steady sliding becomes unstable (γ² =
-/// −2β/(dμ̂/ds(|v_b|))), two cycles appear, or a stick-slip cycle appears. Let γ_1² = (1 +
-/// β)|v_b|/max(μ_s, μ̂(|v_b|)). The function tries loads below the load at which steady sliding
-/// becomes unstable, down to about 10⁻⁶γ_1² and up to about 10⁶γ_1². If no change is found, the
-/// result is
+/// −2β/(dμ̂/ds(|v_b|)), with the damping ratio β and the kinetic coefficient μ̂(s) at the sliding
+/// speed s), two cycles appear, or a stick-slip cycle appears. Let γ_1² = (1 + β)|v_b|/max(μ_s,
+/// μ̂(|v_b|)), with the static coefficient μ_s. The function tries loads below the load at which
+/// steady sliding becomes unstable, from about 10⁻⁶γ_1² to about 10⁶γ_1². If no change is found,
+/// the result is
 /// * 0 if the mass is undamped, and steady sliding is unstable or surrounded by a
 ///   [`Continuum`](crate::limit_cycle::Continuum): a vibration can last with every load;
 /// * 0 if the mass vibrates under every load tried;
@@ -111,17 +113,18 @@ fn judged<'s>(
 ///
 /// The function encloses the load by doubling or halving γ², beginning with γ_1², and narrows the
 /// enclosure to neighbouring numbers. As in [`silencing_damping`],
-/// [`find`](crate::limit_cycle::find) decides whether the mass vibrates. Unlike the dampings with
-/// vibration, the loads with vibration may form several intervals; the result is then the lower end
-/// of one of them. [`Along::vibration_ranges`] lists all borders.
+/// [`find`](crate::limit_cycle::find) decides whether the mass vibrates. The loads with vibration
+/// may form several intervals. The result is then the lower end of one of these intervals, not
+/// necessarily of the first. [`Along::vibration_ranges`] lists all borders.
 ///
 /// The function calls `find` up to 130 times. [`Along::silence`] accepts a bound of the work and a
 /// watcher.
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the load tried and one of the errors of [`find`](crate::limit_cycle::find);
-/// [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
+/// * [`Error::At`], with the load tried and one of the errors of
+///   [`find`](crate::limit_cycle::find);
+/// * [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -184,19 +187,21 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
 }
 
 impl<L: FrictionLaw> Along<'_, L> {
-    /// A value of the parameter, within the range, at which vibration begins or ends: on one side
-    /// of this value the mass can vibrate, on the other side it cannot. `None` if the mass can
-    /// vibrate at both ends of the range, or at neither end.
+    /// A value of the parameter, within the range, at which vibration begins or ends. On one side
+    /// of this value the mass can vibrate, on the other side it cannot. The result is `None` if the
+    /// mass can vibrate at both ends of the range, or at neither end.
     ///
     /// The mass can vibrate if steady sliding is unstable, or if [`find`](crate::limit_cycle::find)
     /// finds a cycle, a continuum or an unresolved range. The border lies between two neighbouring
-    /// numbers, and the result is the lower one. If there are several borders, one of them is
+    /// numbers, and the result is the lower number. If there are several borders, one of them is
     /// found; [`vibration_ranges`](Self::vibration_ranges) lists all.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless the range is finite and not empty; otherwise
-    /// [`Error::At`], with the value and one of the errors of `find`; [`Error::Stopped`].
+    /// * [`Error::InvalidParameter`] unless the range is finite and not empty;
+    /// * [`Error::At`], with the value and one of the errors of `find`;
+    /// * [`Error::Stopped`] if the bound of the work is reached, or if the watcher stops the
+    ///   search.
     ///
     /// ```
     /// use stick_slip::{Exponential, MassOnBelt, bifurcation};

@@ -18,7 +18,7 @@ use crate::orbit::{Criticality, LocusEnd, Oscillator, SpecialKind};
 pub struct HopfLocus {
     /// The points, from one end of the curve to the other.
     pub points: Vec<HopfPoint>,
-    /// The special points of the curve, in the same order.
+    /// The special points of the curve, in the order of `points`.
     pub special: Vec<SpecialHopfPoint>,
     /// The reasons why the curve ends before its first point, and after its last one.
     pub ends: [LocusEnd; 2],
@@ -38,8 +38,8 @@ pub struct HopfPoint {
     /// system. Only the sign of l1 is independent of these units. NaN if 0 or ±2iω is an
     /// eigenvalue.
     pub first_lyapunov_coefficient: f64,
-    /// The largest real part of the other eigenvalues, per unit of time; −∞ if there are none. If
-    /// it is positive, steady sliding is unstable on both sides of the curve.
+    /// The largest real part of the other eigenvalues, per unit of time; −∞ if there are no others.
+    /// If this number is positive, steady sliding is unstable on both sides of the curve.
     pub largest_other: f64,
     /// The rounding of the coefficient.
     rounding: f64,
@@ -49,7 +49,8 @@ pub struct HopfPoint {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SpecialHopfPoint {
-    /// The second bifurcation condition, which this point also satisfies.
+    /// The second bifurcation condition, which holds at this point in addition to that of the
+    /// curve.
     pub kind: SpecialKind,
     /// The Hopf point.
     pub point: HopfPoint,
@@ -58,8 +59,8 @@ pub struct SpecialHopfPoint {
 impl HopfPoint {
     /// Returns whether the motion that is born at this point is stable (supercritical) or unstable
     /// (subcritical), from the sign of the first Lyapunov coefficient. If another eigenvalue has a
-    /// positive real part, the motion is unstable in either case. If friction is linear until a
-    /// contact sticks (Coulomb's law), the point is degenerate.
+    /// positive real part, the motion is unstable in both cases. If friction is linear in the
+    /// sliding speed until a contact sticks (Coulomb's law), the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {
@@ -93,25 +94,33 @@ const SAME: f64 = 1e-7;
 /// closure can set. There is no curve at values for which `family` returns an error or the system
 /// has no steady sliding.
 ///
-/// Every curve that separates two neighbouring nodes of a grid of 65 × 65 values is found, for any
-/// number of masses. A closed curve inside one cell, or two curves between the same nodes, can be
-/// missed. Each curve is followed by pseudo-arclength continuation: the equations
+/// The search counts the unstable eigenvalues at the nodes of a grid of 65 × 65 values. It finds
+/// every curve that passes between two neighbouring nodes with different numbers of unstable
+/// eigenvalues, for any number of masses. A closed curve inside one cell, or two curves between the
+/// same nodes, can be missed.
+///
+/// Each curve is followed by pseudo-arclength continuation. Newton's method with a bordered matrix
+/// solves
 ///
 /// ```text
-/// (A − iω) w = 0,    A = ∂F/∂x at steady sliding
+/// (A − iω) w = 0,    A = ∂F/∂x at steady sliding,
 /// ```
 ///
-/// are solved by Newton's method with a bordered matrix. The error of the parameters and of ω is
-/// the rounding error of A, divided by the rate at which the eigenvalue crosses the axis.
+/// where x' = F(x) are the equations of motion in slip, and w is an eigenvector. The error of the
+/// parameters and of ω is the rounding error of A, divided by the rate at which the eigenvalue
+/// crosses the axis.
 ///
 /// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It is
 /// computed from the second and third derivatives of friction with respect to velocities, loads and
-/// memory variables, which the power series of the laws give. Special points are: l1 = 0
-/// ([`SpecialKind::Bautin`]), other eigenvalues on the axis ([`SpecialKind::DoubleHopf`],
-/// [`SpecialKind::ZeroHopf`]), and the largest and least values of each parameter along the curve
-/// ([`SpecialKind::Turn`]).
+/// memory variables. The power series of the laws give these derivatives. The special points are
 ///
-/// A search solves some 10⁴ eigenvalue problems of order 2n, where n is the number of coordinates.
+/// * zeros of l1 ([`SpecialKind::Bautin`]);
+/// * points with other eigenvalues on the imaginary axis ([`SpecialKind::DoubleHopf`],
+///   [`SpecialKind::ZeroHopf`]);
+/// * local maxima and minima of each parameter along the curve ([`SpecialKind::Turn`]).
+///
+/// A search solves some 10⁴ eigenvalue problems of order 2n + m, with n coordinates and m memory
+/// variables.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 5.4 (l1) and chapter 8;
 /// Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and 4
