@@ -63,9 +63,9 @@ pub fn grazing_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
 /// overshoot, or overshoot into plain stick-slip (see
-/// [`CycleKind`](crate::limit_cycle::CycleKind)). The displacements at which the mass can stick
-/// form the stick band. One end of this band is the release point. At such a v_b, the mass returns
-/// to the belt velocity after release exactly at the other end.
+/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a v_b, the mass returns to the belt
+/// velocity after release exactly at one end of the stick band: the end opposite to the release
+/// point. (The stick band is the range of displacements at which the mass can stick.)
 ///
 /// The range is searched in the same way as in [`grazing_velocities`].
 ///

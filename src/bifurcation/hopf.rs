@@ -124,8 +124,8 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
 }
 
 /// Returns whether a pure-slip cycle born at the Hopf point v_b is stable (supercritical) or
-/// unstable (subcritical). The sign of the third derivative μ̂'''(|v_b|) of the kinetic coefficient
-/// decides.
+/// unstable (subcritical). The sign of the third derivative d³μ̂/ds³(|v_b|) of the kinetic
+/// coefficient decides.
 ///
 /// The function does not check that v_b is a Hopf point. If |v_b| is a breakpoint of the law, the
 /// function uses the third derivative just above this breakpoint. If the damping h1 of steady

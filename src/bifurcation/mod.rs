@@ -42,7 +42,7 @@
 //! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are also returned |
 //! | [`silencing_damping`] | vibration ends: with this damping or more, no vibration lasts at the system's belt velocity |
 //! | [`silencing_load`] | vibration begins: up to this load, no vibration lasts at the system's belt velocity |
-//! | [`hopf_locus`] | the equilibrium of any system loses stability: curves in two parameters, with their special points |
+//! | [`hopf_locus`] | the equilibrium of any system loses or regains stability; the result is a list of curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
 //! round-off. The documentation of each function says how densely it searches a range. A narrower

@@ -107,10 +107,10 @@ impl fmt::Display for BifurcationKind {
 
 /// The side of a Hopf point, a flip or a pitchfork on which the new motions exist.
 ///
-/// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides: the third derivative of
+/// For a Hopf point of a mass on a belt, the sign of d³μ̂/ds³(v_b) decides: the third derivative of
 /// the kinetic friction coefficient μ̂(s) at the belt velocity. The amplitude A obeys the averaged
-/// equation A' = −½h1 A − (3/8)h3 A³, where h1 is the damping of steady sliding, h3 =
-/// γ²·μ̂'''(v_b)/6, and γ² is the friction load (Eq. 12 of Farshidianfar and Noei Aghaee, for any
+/// equation A' = −½h1 A − (3/8)h3 A³, where h1 is the damping of steady sliding, h3 = (γ²/6)
+/// d³μ̂/ds³(v_b), and γ² is the friction load (Eq. 12 of Farshidianfar and Noei Aghaee, for any
 /// law). For a Hopf point of a structure, the sign of the first Lyapunov coefficient decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
@@ -120,10 +120,10 @@ impl fmt::Display for BifurcationKind {
 )]
 pub enum Criticality {
     /// The new motions are stable and exist where the old motion is unstable (for a mass on a belt:
-    /// μ̂'''(v_b) > 0).
+    /// d³μ̂/ds³(v_b) > 0).
     Supercritical,
     /// The new motions are unstable and exist where the old motion is still stable (for a mass on a
-    /// belt: μ̂'''(v_b) < 0).
+    /// belt: d³μ̂/ds³(v_b) < 0).
     Subcritical,
     /// Not decided: the coefficient is NaN, or it is 0 and terms of higher order decide. For a flip
     /// or a pitchfork: the multipliers do not determine the side.

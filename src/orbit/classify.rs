@@ -172,7 +172,7 @@ pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor
 }
 
 impl Search<'_> {
-    /// The function [`classify`], with the bound and the watcher of this search.
+    /// Calls the function [`classify`] with the bound and the watcher of this search.
     ///
     /// # Errors
     ///

@@ -110,7 +110,7 @@ pub fn follow<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`follow`], with the bounds and the watcher of this search.
+    /// Calls the function [`follow`] with the bounds and the watcher of this search.
     ///
     /// # Errors
     ///

@@ -217,7 +217,7 @@ pub fn begin<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`begin`], with the watcher of this search.
+    /// Calls the function [`begin`] with the watcher of this search.
     ///
     /// # Errors
     ///

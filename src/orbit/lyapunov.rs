@@ -122,7 +122,7 @@ pub fn lyapunov_with_spread<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`lyapunov_with_spread`], with the bound and the watcher of this search.
+    /// Calls the function [`lyapunov_with_spread`] with the bound and the watcher of this search.
     ///
     /// # Errors
     ///

@@ -274,7 +274,7 @@ pub fn shoot<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`shoot`], with the bound and the watcher of this search.
+    /// Calls the function [`shoot`] with the bound and the watcher of this search.
     ///
     /// # Errors
     ///
@@ -290,7 +290,7 @@ impl Search<'_> {
         })
     }
 
-    /// The function [`settle`], with the bound and the watcher of this search.
+    /// Calls the function [`settle`] with the bound and the watcher of this search.
     ///
     /// # Errors
     ///

@@ -134,8 +134,8 @@ pub fn sweep<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`sweep`], with the watcher of this search, and with its bound at each value. A
-    /// sweep that is stopped keeps the results found so far.
+    /// Calls the function [`sweep`] with the watcher of this search, and with its bound at each
+    /// value. A sweep that is stopped keeps the results found so far.
     ///
     /// # Errors
     ///

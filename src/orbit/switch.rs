@@ -127,7 +127,7 @@ impl<S: Oscillator> Bifurcation<S> {
 }
 
 impl Search<'_> {
-    /// The function [`Bifurcation::switch`], with the watcher of this search.
+    /// Calls the function [`Bifurcation::switch`] with the watcher of this search.
     ///
     /// # Errors
     ///

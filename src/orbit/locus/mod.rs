@@ -112,8 +112,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] unless the ranges are finite, are not empty and contain the two
-///   values;
+/// * [`Error::InvalidParameter`] unless the ranges are finite, are not empty and contain the values
+///   of both parameters at the bifurcation;
 /// * [`Error::At`], with the parameters, if the family returns an error at these values, or if no
 ///   such bifurcation is found there;
 /// * [`Error::At`] with [`Error::NotSmooth`], if the change of events has no row in the first
@@ -147,8 +147,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// With the damping c, the pure-slip motion under a harmonic force of frequency Ω first reaches the
-/// belt velocity at the force amplitude v_b √((1 − Ω²)² + (cΩ)²)/Ω:
+/// With mass 1, stiffness 1 and damping c, the pure-slip motion under a harmonic force of frequency
+/// Ω first reaches the belt velocity v_b at the force amplitude v_b √((1 − Ω²)² + (cΩ)²)/Ω:
 ///
 /// ```
 /// use stick_slip::orbit::{self, LocusKind, Period};
@@ -187,7 +187,7 @@ pub fn locus<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`locus`], with the bounds and the watcher of this search.
+    /// Calls the function [`locus`] with the bounds and the watcher of this search.
     ///
     /// # Errors
     ///

@@ -102,8 +102,8 @@ pub fn vibration_ranges<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The function [`vibration_ranges`], with the bounds and the watcher of this search. If the
-    /// watcher stops the search, the result contains the ranges known so far.
+    /// Calls the function [`vibration_ranges`] with the bounds and the watcher of this search. If
+    /// the watcher stops the search, the result contains the ranges known so far.
     ///
     /// # Errors
     ///
