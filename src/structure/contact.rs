@@ -18,15 +18,17 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// N = N0(t) + Σ n_j q_j       the normal load
 /// ```
 ///
+/// q and v are the displacements and velocities of the coordinates, b is the direction of the
+/// contact, and w is the velocity of the surface. μ is the friction coefficient, N0 the part of the
+/// load that depends on time, and n_j the load gradient, a force per displacement. e_i is the i-th
+/// unit vector; μ and b are dimensionless. If b is multiplied by a factor, r is multiplied by this
+/// factor, and so is the force that a given λ exerts on the coordinates.
+///
 /// | contact | b | r |
 /// |---|---|---|
 /// | [`Contact::new(i, ..)`](Self::new) | e_i | v_i − w: mass i on a belt or on the ground |
 /// | [`Contact::between(i, j, ..)`](Self::between) | e_i − e_j | v_i − v_j − w: a clutch, a damper between blades, a pad on a disc |
 /// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | Σ b_i v_i − w: a lever, a gear, a point of a reduced model by its mode shapes |
-///
-/// Loads are in units of force, n_j in force per displacement, w in units of velocity; μ and b are
-/// dimensionless; e_i is the i-th unit vector. Doubling b doubles r and the force on the
-/// coordinates.
 ///
 /// If the load depends on time alone, it may fall to 0 and rise again: between these times the
 /// contact is open and transmits no friction. A load gradient describes a normal spring that is
@@ -37,13 +39,13 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// A contact is either rigid or [elastic](Self::with_tangential_stiffness). An elastic contact is a
 /// spring in series with a friction slider.
 ///
-/// A quantity that reaches its threshold and turns back causes no event. A load that turns back at
-/// 0, from above or from below, does not open or close its contact. A stick force that turns back
-/// at its limit does not end stick. A load turns back at 0 if it has a local extremum within 8ε of
-/// 0 (ε = 2.2e-16), relative to the sum of the absolute values of its terms. It also turns back at
-/// 0 if one piece of a [`Drive`] ends at 0 and the next piece returns to the same side of 0. A
-/// stick force turns back at its limit if it has a local extremum within 8ε of the limit, relative
-/// to the terms of force and limit.
+/// A load that only touches 0 does not open or close its contact. A stick force that only touches
+/// its limit does not end stick. To touch means to reach the value and to return to the same side
+/// of it. A local extremum of the load counts as a touch if its distance from 0 is at most 8ε times
+/// the sum of the absolute values of the terms of the load (ε = 2.2e-16). A local extremum of the
+/// stick force counts as a touch if it exceeds the limit by at most 8ε times the limit. A load also
+/// touches 0 if one piece of a [`Drive`] ends at 0 and the next piece has the same sign as the
+/// piece before.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts
 /// with different laws.
@@ -95,7 +97,7 @@ impl Contact {
     /// * [`Error::InvalidParameter`] if the load is not finite or is a constant ≤ 0, if μ_s is
     ///   negative or not finite, if friction at speed 0 does not oppose slip, or if the law breaks
     ///   another rule of [`ContactLaw`];
-    /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
+    /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law.
     pub fn new<L: ContactLaw + Send + Sync + 'static>(
         coordinate: usize,
         law: L,
@@ -124,8 +126,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::BadDirection`] unless at least one coordinate is given, all coordinates are
-    /// different, each b_i is finite, and at least one b_i ≠ 0; the errors of [`new`](Self::new).
+    /// [`Error::BadDirection`] if no coordinate is given, if a coordinate is given twice, if a b_i
+    /// is not finite, or if all b_i are 0; the errors of [`new`](Self::new).
     pub fn along<L: ContactLaw + Send + Sync + 'static>(
         direction: &[(usize, f64)],
         law: L,
@@ -173,12 +175,12 @@ impl Contact {
     }
 
     /// Adds n q to the normal load of the contact. q is the displacement of the coordinate, and n
-    /// is the gradient, in units of force per displacement.
+    /// is the gradient, a force per displacement.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless n, and its sum with the gradient already set for that
-    /// coordinate, are finite.
+    /// [`Error::InvalidParameter`] if n is not finite, or if the sum of n and the gradient already
+    /// set for this coordinate is not finite.
     pub fn with_load_gradient(mut self, coordinate: usize, gradient: f64) -> Result<Self, Error> {
         let place = self
             .load_gradient
@@ -204,7 +206,7 @@ impl Contact {
     }
 
     /// Number, counted from 0, of the coordinate that was given first.
-    /// [`direction`](Self::direction) lists all of them.
+    /// [`direction`](Self::direction) lists all coordinates.
     pub fn coordinate(&self) -> usize {
         self.coordinate
     }
@@ -232,7 +234,10 @@ impl Contact {
     }
 
     /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN if a
-    /// displacement is missing. If N is negative, the contact is open, or the motion has ended.
+    /// displacement is missing. The last term is the force of a [normal
+    /// spring](Self::with_normal_spring) of stiffness k_n and direction d. A contact with N < 0 is
+    /// open. With a load gradient and without a normal spring, a motion ends with
+    /// [`Error::Separation`] before N becomes negative.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
         let terms = self
             .whole_gradient()
@@ -316,8 +321,8 @@ impl Contact {
     }
 }
 
-/// Laws of this crate are equal if their types and numbers are equal. Any other law equals only
-/// itself, in a clone of its contact.
+/// Compares the data of two contacts. Laws of this crate are equal if their types and numbers are
+/// equal. A law of your own is equal only to itself, in a clone of its contact.
 impl PartialEq for Contact {
     fn eq(&self, other: &Self) -> bool {
         let laws = [&self.law, &other.law];

@@ -6,8 +6,8 @@ use crate::error::Error;
 /// Elastic contacts and normal springs.
 impl Contact {
     /// Makes the contact elastic: its friction slider gets a spring of stiffness k_t > 0 in series.
-    /// This is a Jenkins element, the model of a bolted joint or a blade root. It acts as a spring
-    /// until its slider slips.
+    /// This is a Jenkins element, the model of a bolted joint or a blade root. The element acts as
+    /// a spring until its slider slips.
     ///
     /// ```text
     /// stick:  T' = k_t r         while |T| ≤ μ N
@@ -16,18 +16,19 @@ impl Contact {
     /// ```
     ///
     /// z' is the velocity of the slider, and σ is its direction. The force T takes the place of λ:
-    /// the force on the structure is −b T. T is a memory variable of the contact. In
-    /// [`State::memory`](crate::structure::State::memory) T follows the variables of the contacts
-    /// before this one. Events refer to the slider: [`EventKind::Stick`](crate::EventKind::Stick)
-    /// when the slider stops, [`EventKind::Release`](crate::EventKind::Release) when it starts,
-    /// with the direction of z'. In [`Mode::Stick`](crate::Mode::Stick) the slider sticks, and r
-    /// may have any value. k_t is a force per displacement b·q, and μ is dimensionless. The
-    /// velocity of the contact's surface may jump.
+    /// the force on the structure is −b T. T is a memory variable of the contact:
+    /// [`State::memory`](crate::structure::State::memory) contains T after the memory variables of
+    /// the contacts with lower numbers. Events refer to the slider: it stops at an
+    /// [`EventKind::Stick`](crate::EventKind::Stick), and starts at an
+    /// [`EventKind::Release`](crate::EventKind::Release), which has the direction of z'. In
+    /// [`Mode::Stick`](crate::Mode::Stick) the slider sticks, and r may have any value. k_t is a
+    /// force per displacement b·q, and μ is dimensionless. The velocity of the contact's surface
+    /// may jump.
     ///
     /// The mode of an elastic contact does not depend on the modes of other contacts at the same
     /// instant, so elastic contacts may have linearly dependent directions. For k_t → ∞ the motion
-    /// tends to that with a rigid contact, with a difference of order 1/√k_t; the number of steps
-    /// grows as √k_t.
+    /// tends to the motion with a rigid contact. The difference is of order 1/√k_t, and the number
+    /// of steps grows as √k_t.
     ///
     /// Source: G. M. Jenkins, *J. Appl. Phys.* 33 (1962); W. D. Iwan, *J. Appl. Mech.* 33 (1966)
     /// 893-900. The model is Moreau's sweeping process, called the *stop* operator in hysteresis
@@ -37,8 +38,8 @@ impl Contact {
     ///
     /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
     /// * [`Error::LawNotConstant`] unless the coefficient is constant, as in `Coulomb::new(μ, μ)`:
-    ///   if static friction is larger, or friction falls with speed, the displacement of a massless
-    ///   slider is not determined.
+    ///   if static friction exceeds kinetic friction, or if friction falls with speed, the
+    ///   displacement of a massless slider is not determined.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
@@ -82,21 +83,23 @@ impl Contact {
         self.tangential_stiffness
     }
 
-    /// Adds a normal spring, so that the contact can open and close:
+    /// Gives the contact a normal spring, so that the contact can open and close:
     ///
     /// ```text
     /// N = max(0, N0(t) + k_n d·q)
     /// ```
     ///
-    /// The force of the spring on the structure is −d N. The d_j are dimensionless, and k_n > 0 is
-    /// a force per displacement. The contact opens where N falls to 0 and closes where N rises
-    /// above 0 again; both are events. N is continuous, so there is no impact. A load gradient adds
-    /// n·q to N. The contact may be rigid or elastic.
+    /// d is the direction of the spring; its entries d_j are dimensionless. k_n > 0 is the
+    /// stiffness, a force per displacement, and N0(t) the load that was given to the contact. The
+    /// force of the spring on the structure is −d N. The contact opens when N falls to 0 and closes
+    /// when N rises above 0 again; both are events. N is a continuous function of q, so the contact
+    /// closes without an impact. A load gradient n adds n·q inside the maximum. The contact may be
+    /// rigid or elastic.
     ///
     /// # Errors
     ///
-    /// * [`Error::BadDirection`] unless at least one coordinate is given, all coordinates are
-    ///   different, each d_j is finite, and at least one d_j ≠ 0;
+    /// * [`Error::BadDirection`] if no coordinate is given, if a coordinate is given twice, if a
+    ///   d_j is not finite, or if all d_j are 0;
     /// * [`Error::InvalidParameter`] unless k_n > 0, and k_n and each k_n d_j are finite.
     ///
     /// ```

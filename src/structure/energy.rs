@@ -22,13 +22,15 @@ use crate::state::structure::State;
 /// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        for each contact
 /// ```
 ///
-/// `stored` is E at the end of the motion minus E at its start; the other terms are integrals over
-/// the power series of the motion. Both balances hold up to rounding; [`defect`](Self::defect) is
-/// the residual of the first. In a periodic motion `stored` is 0.
+/// E is the energy of a state, and `stored` is E at the end of the motion minus E at its start. The
+/// other terms are integrals over the power series of the motion. Both balances hold up to
+/// rounding; [`defect`](Self::defect) is the residual of the balance of `stored`. Over a period of
+/// a periodic motion `stored` is 0.
 ///
-/// λ is the friction force of a contact (T in an elastic contact), and Δ is the change over the
-/// motion. N and k_n are the load and the stiffness of a normal spring. The force on the
-/// coordinates is −b λ, and the force on the moving surface, whose velocity is w, is λ.
+/// The symbols are those of [`Structure`] and [`Contact`](crate::Contact). λ is the friction force
+/// of a contact; in an elastic contact of stiffness k_t it is T. N and k_n are the load and the
+/// stiffness of a normal spring. Friction exerts the force −b λ on the coordinates and the force λ
+/// on the surface, which moves with the velocity w. Δ is the change over the motion.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
@@ -74,9 +76,9 @@ pub struct EnergyBudget {
 }
 
 impl EnergyBudget {
-    /// Residual of the energy balance: `stored` minus all work, plus all losses. The residual
-    /// consists of rounding errors; if the motion was computed with a looser tolerance, the
-    /// residual estimates the error of the motion.
+    /// Residual of the energy balance: `stored` minus all work, plus all losses. With the default
+    /// tolerance of the integrator the residual consists of rounding errors. With a larger
+    /// tolerance it estimates the error of the motion.
     pub fn defect(&self) -> f64 {
         let work = [&self.force_work, &self.drive_work, &self.normal_work];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
@@ -91,7 +93,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
+    /// The errors of [`simulate`](Self::simulate) for a start state that is not valid;
     /// [`Error::InvalidState`] also if the energy overflows.
     pub fn kinetic_energy(&self, state: &State) -> Result<f64, Error> {
         let moving = State::new(&state.displacements, &state.velocities);
@@ -105,7 +107,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
+    /// The errors of [`simulate`](Self::simulate) for a start state that is not valid;
     /// [`Error::InvalidState`] also if the energy overflows; [`Error::InvalidParameter`] if the
     /// time is not finite.
     ///
@@ -139,7 +141,7 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::WrongSize`] if the motion belongs to another structure; [`Error::InvalidState`],
-    /// with a state of the motion, if an energy overflows.
+    /// with the numbers of a state of the motion, if an energy overflows.
     pub fn energy_budget(&self, motion: &Trajectory<State>) -> Result<EnergyBudget, Error> {
         let model = self.model();
         check_motion(&model, motion)?;

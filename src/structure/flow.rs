@@ -13,9 +13,9 @@ use crate::state::structure::State;
 /// The motion of a [`Structure`] from a start state: an unbounded iterator of [`Step`]s in constant
 /// memory.
 ///
-/// Returned by [`Integrator::flow`]. After an error the iterator returns `None`. If velocities no
-/// longer change and no further event follows, the last step has an infinite duration. A flow
-/// cannot be sent to another thread; a structure may be shared by threads.
+/// Returned by [`Integrator::flow`]. After an error the iterator returns `None`. If all velocities
+/// stay constant and no further event follows, the last step has an infinite duration. A flow
+/// cannot be sent to another thread, but threads may share a structure.
 #[derive(Debug, Clone)]
 pub struct Flow<'s> {
     engine: Engine<'s>,
@@ -82,8 +82,8 @@ impl System for Structure {
 }
 
 impl Structure {
-    /// Computes the motion from `start` over `duration`, accurate to round-off:
-    /// [`Integrator::simulate`](crate::Integrator::simulate) with its default settings.
+    /// Computes the motion from `start` over `duration`, accurate to round-off. This function calls
+    /// [`Integrator::simulate`](crate::Integrator::simulate) with the default settings.
     ///
     /// # Errors
     ///
@@ -104,7 +104,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
+    /// The errors of [`simulate`](Self::simulate) for a start state that is not valid;
     /// [`Error::InvalidParameter`] if the time is not finite.
     ///
     /// ```

@@ -35,9 +35,9 @@
 //!
 #![doc = include_str!("../figures/mode_coupling.svg")]
 //!
-//! *Frequencies and growth rates of small motions about steady sliding of a brake, by
-//! [`Structure::steady_sliding`], over the friction coefficient μ. Without dampers two modes merge
-//! at μ = 0.75, and one of them grows at larger μ; with dampers growth begins at μ = 0.7575.*
+//! *Small motions of a brake about steady sliding: frequencies and growth rates as functions of the
+//! friction coefficient μ, computed by [`Structure::steady_sliding`]. Without dampers two modes
+//! merge at μ = 0.75, and one of them grows at larger μ. With dampers growth begins at μ = 0.7575.*
 //!
 //! | question | answer |
 //! |---|---|
@@ -57,13 +57,13 @@
 //!
 //! Coordinates may be measured in a frame that rotates (or travels) with the velocity Ω(t), for
 //! example in the frame of the rotary table of a drill string. Displacements then stay small. Let
-//! e_i be 1 for each coordinate that rotates with the frame and 0 for the others. Coordinates
-//! relative to the frame obey the same equations with these additions:
+//! e_i be 1 for each coordinate that is measured in the frame and 0 for the others. The equations
+//! of motion keep their form, with these additions:
 //!
 //! | in the frame | add |
 //! |---|---|
 //! | inertia | a force −(M e)_i Ω'(t) on each coordinate i |
-//! | a damper c between coordinate i and a part that does not rotate | the damper to the ground, and a force −c Ω(t) on coordinate i |
+//! | a damper c between rotating coordinate i and a part that does not rotate | the damper to the ground, and a force −c Ω(t) on coordinate i |
 //! | a contact with a part that does not rotate, or with a surface of velocity w | a surface of velocity w(t) − (b·e) Ω(t) |
 //! | springs, dampers and contacts between rotating coordinates (b·e = 0) | nothing |
 //! | a spring or damper between a rotating coordinate and the frame itself | that spring or damper, to the ground |
@@ -95,8 +95,9 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
-//! States and steps of a structure are [`State`] and [`Step`] of this module; those of one mass on
-//! a belt are [`crate::State`] and [`crate::Step`]. Any consistent units may be used.
+//! The state and the step of a structure are [`State`] and [`Step`] of this module. The state and
+//! the step of one mass on a belt are [`crate::State`] and [`crate::Step`]. Any consistent units
+//! may be used.
 
 mod contact;
 mod elastic;

@@ -16,8 +16,8 @@ pub struct StabilityChange {
     pub time: f64,
     /// True if steady sliding is stable after this time.
     pub becomes_stable: bool,
-    /// Angular frequency of the small motion that neither grows nor decays at this time, per unit
-    /// of time.
+    /// Angular frequency of the small motion that neither grows nor decays at this time, in radians
+    /// per unit of time; 0 if this motion does not oscillate.
     pub frequency: f64,
 }
 
@@ -62,8 +62,9 @@ impl Structure {
     }
 
     /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable
-    /// or stable again, in ascending order. During a slow change of speed or load, these times
-    /// bound the ranges with vibration.
+    /// or stable again, in ascending order. If speed or load change slowly, small vibration grows
+    /// between a time at which sliding becomes unstable and the next time at which it becomes
+    /// stable.
     ///
     /// Stability is computed at 257 equally spaced instants of the range, and at each instant at
     /// which pieces of a profile meet. Each change is refined by bisection to the last bit. Two
@@ -73,17 +74,18 @@ impl Structure {
     ///
     /// # Delayed loss of stability
     ///
-    /// If the drives vary slowly, vibration does not begin immediately at such a time. While
-    /// sliding is stable, a perturbation decays as exp ∫Re s dt, with the leading eigenvalue s.
-    /// Afterwards the perturbation has to grow by the same factor before vibration is visible. For
-    /// slow drives, the delay is therefore determined by the level to which the perturbation
-    /// decays. In exact arithmetic the decay is not limited, and the delay lasts until growth has
-    /// compensated the whole decay. In floating-point arithmetic, rounding limits the decay to a
-    /// factor of about 10⁻¹⁶. In a real machine, roughness, noise or external vibration limit the
-    /// decay much earlier. In a simulation without a disturbance, the onset of vibration is
-    /// therefore a property of the arithmetic. Add the disturbance that the machine has at
-    /// frequencies near [`StabilityChange::frequency`]; other frequencies have little effect. (A
-    /// kink of a profile is a disturbance, too.)
+    /// If the drives vary slowly, vibration does not begin immediately when steady sliding becomes
+    /// unstable. While sliding is stable, a perturbation decays as exp ∫Re s dt, where s is the
+    /// eigenvalue with the largest real part. After the loss of stability the perturbation must
+    /// grow by the same factor before vibration is visible. The delay is therefore determined by
+    /// the level to which the perturbation has decayed. In exact arithmetic the decay is not
+    /// limited, and the delay lasts until growth has compensated the whole decay. In floating-point
+    /// arithmetic, rounding limits the decay to a factor of about 10⁻¹⁶. In a real machine,
+    /// roughness, noise or external vibration limit the decay much earlier. In a simulation without
+    /// a disturbance, the onset of vibration is therefore a property of the arithmetic. Add a
+    /// disturbance as large as that of the machine at frequencies near
+    /// [`StabilityChange::frequency`]. Other frequencies have little effect. (A kink of a profile
+    /// is a disturbance, too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};
@@ -118,7 +120,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless the range is finite and not empty.
+    /// [`Error::InvalidParameter`] unless both ends of the range are finite and the start is below
+    /// the end.
     #[doc(alias = "Hopf")]
     #[doc(alias = "slow passage")]
     pub fn stability_changes(&self, times: Range<f64>) -> Result<Vec<StabilityChange>, Error> {

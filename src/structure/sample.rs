@@ -31,8 +31,8 @@ pub struct Sample {
 impl Structure {
     /// Samples of a motion of this structure at equal intervals, from its start to the last
     /// sampling time within the motion: the state, the accelerations, and the friction force, load
-    /// and mode of each contact. [`Trajectory::sample_every`] gives states and modes alone, in less
-    /// time.
+    /// and mode of each contact. [`Trajectory::sample_every`] returns states and modes only, and is
+    /// faster.
     ///
     /// # Errors
     ///

@@ -11,27 +11,30 @@ use crate::friction::piece_above;
 use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
 use crate::state::Direction;
 
-/// Steady sliding of a [`Structure`], in which every mass stands still while the belts move, and
-/// the eigenvalues of small motions about this equilibrium.
+/// Steady sliding of a [`Structure`]: the equilibrium in which every mass stands still while the
+/// belts move, and the eigenvalues of small motions about it.
 ///
 /// ```text
 /// K q = f + Σ_c b_c N_c sgn(w_c) μ̂_c(|w_c|),    N_c = N0_c + n_c·q
 /// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// The symbols are those of [`Structure`]; δq is a perturbation of q, and s the sliding speed. The
-/// memory variables z of a contact, such as the deflection of bristles, have the values at which
-/// z' = 0. Their perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second
-/// equation, and δz' is linear in δz and b_c·δq'.
+/// The symbols are those of [`Structure`]. μ̂_c(s) is the kinetic coefficient at the sliding speed
+/// s = |w_c|, n_c the load gradient, and δq a perturbation of q. With a [normal
+/// spring](crate::Contact::with_normal_spring), n_c includes k_n d, and the force −d N_c and its
+/// perturbation are added on the right sides. The memory variables z of a contact, such as the
+/// deflection of bristles, have the values at which z' = 0. Their perturbations δz add −b_c N_c Σ_j
+/// ∂μ_c/∂z_j δz_j to the right side of the second equation, and δz' is linear in δz and b_c·δq'.
 ///
 /// If a load depends on displacements, friction makes the stiffness matrix unsymmetric. Two modes
-/// can then merge, and one of them can grow (flutter by mode coupling), even if friction does not
-/// fall with speed.
+/// can then merge, and one of them can grow (flutter by mode coupling). This can happen even if
+/// friction does not fall with speed.
 ///
-/// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system with n
-/// coordinates. Their error is about nε times the largest eigenvalue (ε = 2.2e-16), or √(nε) times
-/// the largest eigenvalue if two eigenvalues nearly coincide. Each memory variable adds a row to
-/// the matrix. The work grows as n³: a second for n = 100, minutes for n = 1000.
+/// For n coordinates the eigenvalues come from the Schur form of a 2n × 2n matrix. Each memory
+/// variable adds a row and a column to this matrix. The error of an eigenvalue is about nε times
+/// the largest eigenvalue (ε = 2.2e-16). The error grows to √(nε) times the largest eigenvalue if
+/// two eigenvalues nearly coincide. The work grows as n³. It takes about a second for n = 100, and
+/// minutes for n = 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -66,9 +69,9 @@ pub struct SteadySliding {
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
     /// memory variable. They are sorted by descending real part; if real parts are equal, by
-    /// descending imaginary part. The eigenvalue is −∞ for the force of an elastic contact, and for
-    /// a memory variable that is constant in slip and has no effect on the motion, such as the
-    /// clock of a [`Dwell`](crate::Dwell).
+    /// descending imaginary part. Two kinds of memory variables have the eigenvalue −∞: the force
+    /// of an elastic contact, and a variable that is constant in slip and has no effect on slip,
+    /// such as the clock of a [`Dwell`](crate::Dwell).
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
@@ -77,19 +80,19 @@ impl Structure {
     /// constant.
     ///
     /// The force of each elastic contact is its limit force. An elastic contact whose surface does
-    /// not move can be in equilibrium with any force up to that limit; the result is then the error
-    /// [`NotSliding::Continuum`].
+    /// not move can be in equilibrium with any force up to its limit force. The function then
+    /// returns the reason [`NotSliding::Continuum`].
     ///
     /// See [`SteadySliding`] for formulas and an example.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies, if a
-    /// contact has the sliding velocity w = 0, or if a load is not positive in the equilibrium. The
-    /// same error is returned if memory variables have no constant values, or if K with the terms
-    /// of friction is singular. To make K non-singular, restrain the rigid-body modes. For a drill
-    /// string that is driven at a given speed, use the frame that rotates at this speed: in this
-    /// frame the driven end is fixed to the ground.
+    /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies in time, if
+    /// a contact has the sliding velocity w = 0, or if a load is not positive in the equilibrium.
+    /// The same error is returned if memory variables have no constant values, or if K with the
+    /// terms of friction is singular. To make K non-singular, restrain the rigid-body modes. For a
+    /// drill string that is driven at a given speed, use the frame that rotates at this speed: in
+    /// this frame the driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

@@ -8,7 +8,8 @@ use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
 
-/// A step of the motion of a [`Structure`](crate::Structure), with events at its end only.
+/// A step of the motion of a [`Structure`](crate::Structure). Events occur only at the end of a
+/// step.
 ///
 /// Returned by [`Integrator::flow`](crate::Integrator::flow), and stored in a [`Trajectory`]. The
 /// step contains the power series of all velocities.

@@ -20,15 +20,17 @@ use crate::friction::memory::ContactLaw;
 /// load:   N_c = N0_c(t) + Σ_j n_cj q_j
 /// ```
 ///
-/// The n coordinates q_i are displacements, angles or modal coordinates. Contact c has the friction
-/// force λ_c, the normal load N_c, the relative velocity r_c, and a surface of velocity w_c (0
-/// unless set). M, C and K are n × n. M is symmetric and positive definite: diagonal with
-/// [`new`](Self::new), full with [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be
-/// symmetric: follower forces and gyroscopic terms are allowed.
+/// The n coordinates q_i are displacements, angles or modal coordinates. M, C and K are the mass,
+/// damping and stiffness matrices, n × n, and f(t) are the forces. M is symmetric and positive
+/// definite: diagonal with [`new`](Self::new), full with
+/// [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be symmetric: follower forces and
+/// gyroscopic terms are allowed.
 ///
-/// A [`Contact`] may have any direction b_c. A coordinate may have any number of contacts, and each
-/// contact may have its own law. Contacts are numbered from 0 in the order of
-/// [`with_contact`](Self::with_contact).
+/// [`Contact`] c has the direction b_c, the friction force λ_c, the normal load N_c with the
+/// gradient n_c, the relative velocity r_c, and a surface of velocity w_c (0 unless set). μ_c is
+/// the friction coefficient in slip, and μ_s,c the static coefficient. The direction may be any
+/// vector, a coordinate may have any number of contacts, and each contact may have its own law.
+/// Contacts are numbered from 0 in the order in which they are added.
 ///
 /// # Contacts that share masses
 ///
@@ -36,16 +38,16 @@ use crate::friction::memory::ContactLaw;
 /// at r = 0 is therefore decided for all these contacts together:
 ///
 /// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
-///   satisfies the equations, and this combination is taken;
-/// * otherwise the *fastest yields first*: all contacts start with their static limits. Among the
-///   contacts that cannot stick, the one with the largest |r'|/(G_cc N μ_s) drops to its kinetic
-///   friction, where G_cc = bᵀM⁻¹b. Then the decision is repeated for the others. This rule is the
-///   limit of a friction law that falls from its static to its kinetic value within a range of
-///   sliding speeds that shrinks to 0.
+///   satisfies the equations, and the contacts follow it;
+/// * otherwise the *fastest yields first*: each contact starts with its static limit N μ_s. Among
+///   the contacts that cannot stick, the contact with the largest |r'|/(G_cc N μ_s) drops to its
+///   kinetic friction. r' is the relative acceleration, and G_cc = b_cᵀM⁻¹b_c. Then the decision is
+///   repeated for the other contacts. Friction that falls from its static to its kinetic value over
+///   a small range of sliding speeds leads to this rule as the range shrinks to 0.
 ///
 /// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
-/// dependent (parallel clutches) may slide; if they would stick at the same time, the motion ends
-/// with [`Error::Undetermined`].
+/// dependent (parallel clutches) may slide. If all of them would stick at the same time, the motion
+/// ends with [`Error::Undetermined`].
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Rational, Structure};
@@ -79,7 +81,8 @@ use crate::friction::memory::ContactLaw;
 /// ```
 ///
 /// Any consistent units may be used, SI or dimensionless. With kilograms, newtons and metres, times
-/// are in seconds; a rotational coordinate has kg·m², N·m and radians.
+/// are in seconds. A rotational coordinate has a moment of inertia in kg·m², torques in N·m, and an
+/// angle in radians.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure};
@@ -146,11 +149,11 @@ impl Structure {
     }
 
     /// Creates a structure with an n × n mass matrix M, symmetric and positive definite, without
-    /// springs, dampers, forces or contacts. M may be that of a reduced finite-element model. A
-    /// diagonal matrix gives the same structure as [`new`](Self::new).
+    /// springs, dampers, forces or contacts. M may be the mass matrix of a reduced finite-element
+    /// model. A diagonal matrix gives the same structure as [`new`](Self::new).
     ///
-    /// Entries (i, j) and (j, i) may differ by up to 4ε√(m_ii m_jj) (ε = 2.2e-16), the rounding
-    /// error of a modal product ΦᵀMΦ; their mean is used.
+    /// Entries (i, j) and (j, i) may differ by up to 4ε√(m_ii m_jj) with ε = 2.2e-16; their mean is
+    /// used. Such a difference is the rounding error of a modal product ΦᵀMΦ.
     ///
     /// # Errors
     ///
@@ -158,7 +161,8 @@ impl Structure {
     ///   square;
     /// * [`Error::BadElement`] for the first entry that is not finite, or not positive on the
     ///   diagonal;
-    /// * [`Error::NotSymmetric`] or [`Error::NotPositiveDefinite`].
+    /// * [`Error::NotSymmetric`] or [`Error::NotPositiveDefinite`] if the matrix is not symmetric
+    ///   or not positive definite.
     ///
     /// ```
     /// use stick_slip::nalgebra::DMatrix;
@@ -195,8 +199,8 @@ impl Structure {
         Ok(structure)
     }
 
-    /// Adds a spring of stiffness k between two coordinates: f_i = −k(q_i − q_j) = −f_j. k may be
-    /// negative.
+    /// Adds a spring of stiffness k between two coordinates, with the forces f_i = −k(q_i − q_j)
+    /// and f_j = −f_i. k may be negative.
     ///
     /// # Errors
     ///
@@ -212,7 +216,8 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a damper between two coordinates: f_i = −c(v_i − v_j) = −f_j. c may be negative.
+    /// Adds a damper of constant c between two coordinates, with the forces f_i = −c(v_i − v_j) and
+    /// f_j = −f_i. c may be negative.
     ///
     /// # Errors
     ///
@@ -222,12 +227,13 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a spring between a coordinate and the ground: f_i = −k q_i. k may be negative.
+    /// Adds a spring of stiffness k between a coordinate and the ground, with the force f_i = −k
+    /// q_i. k may be negative.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if k or the stiffness after the addition
-    /// is not finite.
+    /// [`Error::NoSuchCoordinate`] if there is no coordinate i; [`Error::BadElement`] if k or the
+    /// stiffness after the addition is not finite.
     pub fn with_ground_spring(mut self, i: usize, stiffness: f64) -> Result<Self, Error> {
         add(
             &mut self.stiffness,
@@ -238,7 +244,8 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a damper between a coordinate and the ground: f_i = −c v_i. c may be negative.
+    /// Adds a damper of constant c between a coordinate and the ground, with the force f_i = −c
+    /// v_i. c may be negative.
     ///
     /// # Errors
     ///
@@ -248,7 +255,8 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a stiffness matrix, in units of force per displacement. It need not be symmetric.
+    /// Adds a matrix to the stiffness matrix K, in units of force per displacement. It need not be
+    /// symmetric.
     ///
     /// # Errors
     ///
@@ -265,7 +273,8 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a damping matrix, in units of force per velocity. It need not be symmetric.
+    /// Adds a matrix to the damping matrix C, in units of force per velocity. It need not be
+    /// symmetric.
     ///
     /// # Errors
     ///
@@ -284,8 +293,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if f_i or the total force on the
-    /// coordinate is not finite.
+    /// [`Error::NoSuchCoordinate`] if there is no coordinate i; [`Error::BadElement`] if f_i or the
+    /// total force on the coordinate is not finite.
     pub fn with_force(mut self, i: usize, force: impl Into<Drive>) -> Result<Self, Error> {
         let element = Element::Force(i);
         let count = self.len();
@@ -303,12 +312,12 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// * [`Error::NoSuchCoordinate`] if its direction or its load names a coordinate that does not
-    ///   exist;
+    /// * [`Error::NoSuchCoordinate`] if the direction or the load of the contact names a coordinate
+    ///   that does not exist;
     /// * [`Error::BeltVelocityJumps`] if the contact is rigid and the velocity of its surface
     ///   jumps; [`Error::BadElement`] if that velocity is not finite at all times;
     /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290: outside this range forces would
-    ///   lose digits.
+    ///   lose digits. b_j are the entries of the direction, and m_j the masses.
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
         contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
@@ -407,8 +416,8 @@ impl Structure {
     }
 }
 
-/// The mass on a belt as a structure of one coordinate, with contact 0: m = 1, K = 1, C = 2β, load
-/// γ², belt velocity v_b. The motions of both have the same events.
+/// Converts a mass on a belt into a structure with one coordinate and one contact: m = 1, K = 1, C
+/// = 2β, load γ², belt velocity v_b. The motions of the two systems have the same events.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, Structure};
