@@ -29,12 +29,14 @@ use crate::series::PowerSeries;
 /// f(t) = c + Σ A_k cos(Ω_k t + φ_k) + Σ (straight lines through points)
 /// ```
 ///
-/// Times, angular frequencies (radians per unit of time) and values are in the units of the driven
-/// system; phases are in radians. A plain number such as `0.3` is accepted as a constant drive.
+/// c is a constant, and A_k, Ω_k and φ_k are the amplitude, angular frequency and phase of a
+/// harmonic. Times, angular frequencies (radians per unit of time) and values are in the units of
+/// the driven system; phases are in radians. A plain number such as `0.3` is accepted as a constant
+/// drive.
 ///
 /// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
-/// in the first. At a kink or a jump, [`value`](Self::value) and [`slope`](Self::slope) are those
-/// of the piece that follows.
+/// in the first. At a kink or a jump, [`value`](Self::value) and [`slope`](Self::slope) return the
+/// value and slope just after it.
 ///
 /// ```
 /// use stick_slip::Drive;
@@ -102,14 +104,15 @@ impl Drive {
     /// Creates a drive of straight lines through points (time, value). The drive is constant before
     /// the first point and after the last point.
     ///
-    /// Times must not descend. Two points at one time describe a jump; from this time on the second
-    /// value holds. A force or a load may jump, but the velocity of a belt must not.
+    /// Times must not descend. Two points at the same time describe a jump. At this time the drive
+    /// already has the second value. A force or a load may jump. The velocity of a belt must not
+    /// jump, except at an elastic contact.
     ///
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] if the list is empty. [`Error::BadPoint`], with the first point
-    /// at fault, if a number is not finite, the times descend, three points share a time, or a
-    /// slope overflows.
+    /// at fault, if a number is not finite, if the times descend, if three points have the same
+    /// time, or if a slope overflows.
     pub fn profile(points: &[(f64, f64)]) -> Result<Self, Error> {
         Self::constant(0.0).with_profile(points)
     }
@@ -219,11 +222,12 @@ impl Drive {
         self.at(Clock::at(time))[1]
     }
 
-    /// The period: the least T > 0 with f(t + T) = f(t), in units of time. `None` for a constant,
-    /// for a drive with a profile, or if the harmonics have no common period.
+    /// The period: the least T > 0 with f(t + T) = f(t), in units of time. `None` if the drive is
+    /// constant, contains a profile, or has harmonics without a common period.
     ///
-    /// Angular frequencies count as commensurate if their ratios to the lowest one are within 4
-    /// ulps of p/q with q ≤ 1000, because in `f64` even 1.65/0.55 is not exactly 3.
+    /// Harmonics have a common period if the ratio of each angular frequency to the lowest angular
+    /// frequency is within 4 ulps of a fraction p/q with q ≤ 1000. The tolerance is needed, because
+    /// in `f64` even 1.65/0.55 is not exactly 3.
     ///
     /// ```
     /// use stick_slip::Drive;

@@ -6,11 +6,11 @@ use crate::scalar::Scalar;
 
 /// Any of the crate's friction laws, chosen at run time.
 ///
-/// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself, and returns
-/// exactly the numbers of the law that it contains. To choose among your own laws, write a similar
-/// enum: its two functions contain a `match`. If a law is piecewise, add `breakpoints` and
-/// `kinetic_on`. Contacts of one [`Structure`](crate::Structure) may have different laws without
-/// this enum.
+/// The functions of [`FrictionLaw`] are generic, so a law cannot be a trait object. This enum is a
+/// law itself, and returns exactly the numbers of the law that it contains. To choose among your
+/// own laws, write a similar enum. Its functions `static_coefficient` and `kinetic` contain a
+/// `match`. If one of the laws is piecewise, write `breakpoints` and `kinetic_on` in the same way.
+/// Contacts of one [`Structure`](crate::Structure) may have different laws without this enum.
 ///
 /// ```
 /// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};

@@ -9,9 +9,9 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity. Many papers use the name
-/// "exponential law" for a law with exp(−s/v_s); this is [`Stribeck`](crate::Stribeck) with the
-/// exponent 1.
+/// μ_s is the static coefficient, μ_k the kinetic coefficient at high sliding speeds s, and v_s the
+/// Stribeck velocity. All quantities are dimensionless. Many papers use the name "exponential law"
+/// for a law with exp(−s/v_s); that law is [`Stribeck`](crate::Stribeck) with the exponent 1.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eq. 6. (Their abstract says that this law "first drops off and then

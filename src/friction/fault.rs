@@ -45,7 +45,8 @@ pub enum LawFault {
         /// The speed at which μ̂ rises above 0 again, or the end of the range.
         to: f64,
     },
-    /// A feature of the law, such as a bump, is so narrow that a step of a fast motion may miss it.
+    /// A feature of the law, such as a bump, is so narrow that a step may pass over it at high
+    /// speed.
     Narrow {
         /// The sliding speed at which the feature is most pronounced.
         speed: f64,

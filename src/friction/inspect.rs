@@ -20,17 +20,17 @@ use crate::series::{PowerSeries, TERMS};
 /// convergence. The series are compared with the law's values at 4096 points of the range, and at
 /// 16 or more points of each series. Features narrower than the distance between these points can
 /// be missed. The search for narrow features starts from nine points of the range in both
-/// directions, so that each feature is far from one of these points. A feature at an end of the
-/// range is not reported, because the series that begins at this end contains the feature. A
-/// feature counts as narrow if it fits between two checks of the integrator, in a motion whose
-/// velocity amplitude is half the range. A bump exp(−(s/w)²) counts as narrow if w is less than
-/// about 1/85 of the range.
+/// directions. Each feature is then far from at least one of these points. A feature at an end of
+/// the range is not reported, because the series that begins at this end contains the feature. A
+/// feature counts as narrow if it fits between two speeds at which the integrator checks the law,
+/// in a motion whose velocity amplitude is half the range. A bump exp(−(s/w)²) counts as narrow if
+/// w is less than about 1/85 of the range.
 ///
 /// # Errors
 ///
 /// * The errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law;
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if 10 000 power series do
-///   not reach the end of the range.
+/// * [`Error::InvalidParameter`] if the range does not satisfy 0 ≤ start < end < ∞, or if 10 000
+///   power series do not reach its end.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, LawFault, Polynomial, Scalar, check_law};

@@ -4,18 +4,20 @@ use crate::error::Error;
 const MOST_INTERVALS: usize = 100_000;
 
 /// Segalman's four-parameter Iwan model of a bolted joint: many elements in parallel, each a spring
-/// in series with a dry slider. The break-free displacements φ are distributed from 0 up to φ_max.
+/// in series with a dry slider. φ is the break-free displacement of an element, at which its slider
+/// starts to slip. The φ are distributed from 0 up to φ_max.
 ///
 /// ```text
 /// ρ(φ) = R φ^χ on 0 < φ < φ_max, and S δ(φ − φ_max)        T(x) = ∫ ρ(φ) clip(x − z_φ, ±φ) dφ
 /// β = S(χ+1)/(R φ_max^{χ+1}),     φ_max = F_S(1+β)/(K_T(β + (χ+1)/(χ+2)))
 /// ```
 ///
-/// T is the force of the joint at the displacement x; z_φ is the displacement of slider φ. ρ is the
-/// density of the distribution, with the factors R and S. F_S is the force at which the whole joint
-/// slips, K_T its stiffness under small forces. χ is the exponent of ρ, with −1 < χ ≤ 0; β ≥ 0 is
-/// the ratio of the two parts of ρ. Small cycles of amplitude A dissipate an energy proportional to
-/// A^{χ+3}. Any consistent units may be used.
+/// T is the force of the joint at the displacement x. z_φ is the displacement of the slider of
+/// element φ, and clip limits its first argument to the range from −φ to φ. ρ is the density of the
+/// distribution, with the factors R and S and Dirac's δ. F_S is the force at which the whole joint
+/// slips, and K_T is the stiffness of the joint under small forces. χ is the exponent of ρ, with −1
+/// < χ ≤ 0. β ≥ 0 is the ratio of the two parts of ρ. Small cycles of amplitude A dissipate an
+/// energy proportional to A^{χ+3}. Any consistent units may be used.
 ///
 /// [`elements`](Self::elements) approximates the model by a few elements, each of them a
 /// [`Contact`](crate::Contact) with a tangential stiffness.
@@ -56,7 +58,7 @@ impl Iwan4 {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] unless all are finite, F_S > 0, K_T > 0, −1 < χ ≤ 0 and β ≥ 0;
-    /// and if φ_max overflows or underflows.
+    /// also if φ_max overflows or underflows.
     pub fn new(slip_force: f64, stiffness: f64, exponent: f64, ratio: f64) -> Result<Self, Error> {
         let check = |name, value: f64, in_range: bool, allowed| {
             Error::check("Iwan4", name, value, in_range, allowed)
@@ -128,8 +130,8 @@ impl Iwan4 {
         (self.slip_force * (part * sum / self.scale())).copysign(displacement)
     }
 
-    /// Energy D dissipated in one cycle between the displacements −A and A, with A ≥ 0; in units of
-    /// force times displacement. The result is NaN if A is negative or NaN.
+    /// Energy D dissipated in one cycle between the displacements −A and A, with A ≥ 0. D is in
+    /// units of force times displacement. The result is NaN if A is negative or NaN.
     ///
     /// ```text
     /// D(A) = 4R A^{χ+3}/((χ+2)(χ+3)) up to φ_max, and D(φ_max) + 4F_S(A − φ_max) from there on
@@ -148,19 +150,21 @@ impl Iwan4 {
 
     /// Elements that approximate the joint: springs with sliders, as pairs of a stiffness k_i and a
     /// limit force limit_i. There is one element for each of n intervals between 0 and φ_max, and
-    /// one for the sliders at φ_max if β > 0. Interval i ends at e_i:
+    /// one for the sliders at φ_max if β > 0. Interval i lies between e_{i−1} and e_i:
     ///
     /// ```text
-    /// e_n = φ_max,   e_{i−1} = grid·e_i,   e_0 = 0
+    /// e_n = φ_max,   e_{i−1} = grid·e_i for i > 1,   e_0 = 0
     /// k_i = ∫ ρ dφ,   limit_i = ∫ φ ρ dφ    over e_{i−1} … e_i
     /// ```
     ///
     /// The sum of the stiffnesses is K_T, and the sum of the limits is F_S, to rounding. The force
-    /// of the first loading is a polygon of tangents that touch F at all e_i; it is never below F.
-    /// Cycles of amplitude e_i dissipate more than D, by a factor that tends to a constant as i
-    /// grows. For χ = −0.1 and a grid of 0.5 this constant is 1.068; between the e_i the factor
-    /// falls to 0.78. Amplitudes below limit_1/k_1 dissipate nothing, so e_1 = grid^{n−1} φ_max
-    /// should be below the smallest amplitude of interest.
+    /// of these elements at the first loading is a polygon of tangents, which touch the
+    /// [`backbone`](Self::backbone) F of the model at all e_i. It is never below F. A cycle of
+    /// amplitude e_i dissipates more than the energy D(e_i) of the model, by a factor that tends to
+    /// a constant as i grows. For χ = −0.1 and a grid of 0.5 this constant is 1.068, and the factor
+    /// falls to 0.78 at amplitudes between the e_i. Cycles with an amplitude below limit_1/k_1
+    /// dissipate nothing, so choose n such that e_1 = grid^{n−1} φ_max is below the smallest
+    /// amplitude of interest.
     ///
     /// # Errors
     ///

@@ -79,8 +79,11 @@ const HIGHEST: usize = 30;
 /// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed
 /// s = |v_r| ≥ 0.
 ///
-/// The friction coefficient is odd in the relative velocity v_r = v − v_b: μ(v_r) =
-/// sgn(v_r)·μ̂(|v_r|). All coefficients and speeds are dimensionless.
+/// v is the velocity of the mass, v_b the velocity of the belt, and v_r = v − v_b the relative
+/// velocity. The friction coefficient is odd in the relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
+/// Coefficients are dimensionless. Speeds are dimensionless for a
+/// [`MassOnBelt`](crate::MassOnBelt), and in the units of the structure for a
+/// [`Structure`](crate::Structure).
 ///
 /// # What to write
 ///
@@ -126,17 +129,17 @@ const HIGHEST: usize = 30;
 ///
 /// A piecewise analytic law (a table, a kink) must be continuous. Its
 /// [`breakpoints`](Self::breakpoints) are the speeds at which pieces meet, and
-/// [`kinetic_on`](Self::kinetic_on) returns piece i, which applies from breakpoint i−1 to
-/// breakpoint i. The integrator ends a step exactly at a breakpoint and then evaluates the next
-/// piece by its number. The law therefore never compares the speed with a breakpoint. Every piece
-/// is also evaluated slightly outside its interval.
+/// [`kinetic_on`](Self::kinetic_on) evaluates one piece. Piece i lies between breakpoint i−1 and
+/// breakpoint i; piece 0 begins at s = 0. The integrator ends a step exactly at a breakpoint, and
+/// then evaluates the piece on the other side by its number. `kinetic_on` therefore need not
+/// compare the speed with a breakpoint. Every piece is also evaluated slightly outside its
+/// interval.
 ///
 /// # What a law must not do
 ///
 /// A law must be a pure function: the same result for the same speed, and always the same
-/// breakpoints and μ_s. It must not panic. It must not return NaN or ±∞ at a speed that the motion
-/// reaches; otherwise the motion ends in a typed error. It must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to a
-/// few ulps.
+/// breakpoints and μ_s. It must not panic. If it returns NaN or ±∞ at a speed that the motion
+/// reaches, the motion ends in a typed error. It must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to a few ulps.
 ///
 /// Checks of these rules:
 ///
@@ -160,8 +163,8 @@ const HIGHEST: usize = 30;
             `kinetic`, or give points to `Tabulated::new`"
 )]
 pub trait FrictionLaw: Sized {
-    /// Static coefficient μ_s, dimensionless: the mass sticks while the contact force is at most
-    /// γ²μ_s.
+    /// Static coefficient μ_s, dimensionless: the mass sticks while the size of the contact force
+    /// is at most μ_s times the normal load.
     fn static_coefficient(&self) -> f64;
 
     /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0, dimensionless; at s = 0 the limit from
@@ -175,8 +178,8 @@ pub trait FrictionLaw: Sized {
         std::iter::empty()
     }
 
-    /// Kinetic coefficient of the piece with the number `piece` of the law, dimensionless. The
-    /// formula of each piece must also be valid beyond the ends of the piece (analytic
+    /// Kinetic coefficient of one piece of the law, dimensionless. Pieces are numbered from 0. The
+    /// formula of each piece must also be valid slightly beyond the ends of the piece (analytic
     /// continuation). An analytic law has one piece.
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, _piece: usize, speed: S) -> S {

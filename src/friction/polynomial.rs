@@ -9,8 +9,8 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_s − k1 s + k3 s³,   k1 = (3/2)(μ_s − μ_m)/v_m,   k3 = (1/2)(μ_s − μ_m)/v_m³
 /// ```
 ///
-/// All quantities are dimensionless. The coefficient falls from μ_s at rest to μ_m at s = v_m, and
-/// rises without bound at larger speeds.
+/// μ_s is the static coefficient, and s the sliding speed. All quantities are dimensionless. The
+/// coefficient falls from μ_s at s = 0 to μ_m at s = v_m, and rises without bound at higher speeds.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.

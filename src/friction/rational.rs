@@ -11,9 +11,10 @@ use crate::scalar::Scalar;
 /// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (after Popp and Stelter)
 /// ```
 ///
-/// All quantities are dimensionless: δ is the decay, μ_o the offset, η the coefficient of the
-/// quadratic term. Leine's law falls to 0. The other form falls towards the offset μ_o and, for η >
-/// 0, rises again. At s = 0 the slope is −δ(μ_s − μ_o), with μ_o = 0 for Leine's law.
+/// μ_s is the static coefficient, s the sliding speed, δ the decay, μ_o the offset, and η the
+/// coefficient of the quadratic term. All quantities are dimensionless. Leine's law falls towards
+/// zero. The law with an offset falls towards μ_o and, for η > 0, rises again. At s = 0 the slope
+/// is −δ(μ_s − μ_o), with μ_o = 0 for Leine's law.
 ///
 /// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54;
 /// Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990) 89-105.

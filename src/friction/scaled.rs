@@ -8,9 +8,10 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ̂_physical(ω0 L s)
 /// ```
 ///
-/// Its breakpoints are the breakpoints of the physical law, divided by ω0 L.
-/// [`Scaling::system`](crate::Scaling::system) and [`Scaling::law`](crate::Scaling::law) make such
-/// laws.
+/// ω0 L is the unit of velocity in m/s: the natural frequency ω0 times the unit of length L of a
+/// [`Scaling`](crate::Scaling). The breakpoints are the breakpoints of the physical law, divided by
+/// ω0 L. [`Scaling::system`](crate::Scaling::system) and [`Scaling::law`](crate::Scaling::law) make
+/// such laws.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};
@@ -67,7 +68,7 @@ impl<L> Scaled<L> {
         &self.law
     }
 
-    /// Physical speed ω0 L of the dimensionless speed 1, m/s.
+    /// Physical speed ω0 L, in m/s, that corresponds to the dimensionless speed 1.
     pub fn velocity_unit(&self) -> f64 {
         self.velocity_unit
     }

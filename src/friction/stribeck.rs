@@ -10,14 +10,14 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_c + (μ_s − μ_c) exp(−(s/v_s)^δ) + k_v s
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity, δ the exponent, k_v the viscous
-/// coefficient. δ = 1 gives Tustin's law, which many papers call "the exponential law". δ = 2 gives
-/// the Gaussian of Armstrong-Hélouvry; with k_v = 0 this is [`Exponential`](crate::Exponential).
+/// μ_s is the static coefficient, s the sliding speed, v_s the Stribeck velocity, δ the exponent,
+/// and k_v the viscous coefficient. All quantities are dimensionless. δ = 1 gives Tustin's law,
+/// which many papers call "the exponential law". δ = 2 gives the Gaussian law of
+/// Armstrong-Hélouvry, and δ = 2 with k_v = 0 gives [`Exponential`](crate::Exponential).
 ///
 /// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements.
-/// However, a law with a fractional δ has no power series at s = 0, where every slip phase begins.
-/// (For δ = ½ even the slope is infinite there.) Use [`Tabulated`](crate::Tabulated) for such a
-/// curve.
+/// However, a law with a fractional δ has no power series at s = 0, where slip begins. (For δ = ½
+/// even the slope is infinite there.) Use [`Tabulated`](crate::Tabulated) for such a curve.
 ///
 /// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de
 /// Wit, *Automatica* 30 (1994) 1083-1138.

@@ -8,18 +8,19 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_i + d_i t + c_i t² + b_i t³,   t = s − s_i,   s_i ≤ s ≤ s_{i+1}
 /// ```
 ///
-/// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point, has a
-/// continuous slope, and is monotone between two neighbouring points, so its values stay between
-/// their coefficients. The slope d_i at point i is the weighted harmonic mean of the slopes of the
-/// two chords that meet there, or 0 if these slopes have opposite signs.
+/// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point and has a
+/// continuous slope. It is monotone between two neighbouring points, so its values there lie
+/// between the coefficients of these points. The slope d_i at an inner point i is the weighted
+/// harmonic mean of the slopes of the two chords that meet there, or 0 if these slopes have
+/// opposite signs.
 ///
-/// The first point must be at s = 0. Every slip phase begins at s = 0, and the slope of friction
-/// near s = 0 decides whether the mass sticks. If your measurements do not reach such low speeds,
-/// extrapolate them to s = 0, or use the static coefficient as the coefficient at s = 0.
+/// The first point must be at s = 0, because slip begins and ends at s = 0, and the slope of the
+/// law near s = 0 has a large effect on stick-slip. If your measurements do not reach such low
+/// speeds, extrapolate them to s = 0, or use the static coefficient as the coefficient at s = 0.
 ///
-/// Above the last point the coefficient is constant. The slope at the last point is 0, so that the
-/// slope is continuous there: between the last two points the law levels off. Measure up to the
-/// largest sliding speed of the motion, which is often twice the belt velocity or more.
+/// Above the last point the coefficient is constant. The slope at the last point is therefore 0:
+/// between the last two points the law levels off. Measure up to the largest sliding speed of the
+/// motion, which is often twice the belt velocity or more.
 ///
 /// μ_s is μ̂(0), unless set by [`with_static_coefficient`](Self::with_static_coefficient).
 ///
@@ -71,8 +72,8 @@ impl Tabulated {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] if there are fewer than two points; [`Error::BadPoint`], with
-    /// the first point at fault, if a number is negative or not finite, the first speed is not 0,
-    /// the speeds do not ascend strictly, or a coefficient of the cubics overflows.
+    /// the first point at fault, if a number is negative or not finite, if the first speed is not
+    /// 0, if the speeds do not ascend strictly, or if a coefficient of a cubic overflows.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<_> = points.into_iter().collect();
         Error::check(

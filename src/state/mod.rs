@@ -63,11 +63,12 @@ impl From<[f64; 2]> for State {
     }
 }
 
-/// The direction in which the mass slides on the belt: the sign of the relative velocity
-/// v_r = v − v_b.
+/// The direction in which the mass slides on the belt: the sign of the relative velocity v_r = v −
+/// v_b. For a [`Contact`](crate::Contact) it is the sign of the relative velocity r.
 ///
 /// The names describe a belt that moves forward. On a belt that moves backward (v_b < 0), a mass
-/// that is slower than the belt, or moves forward, is [`Leading`](Self::Leading).
+/// that moves backward more slowly than the belt is [`Leading`](Self::Leading), and so is a mass
+/// that moves forward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",

@@ -25,8 +25,9 @@ pub struct State {
     pub displacements: Vec<f64>,
     /// The velocity of each coordinate.
     pub velocities: Vec<f64>,
-    /// The memory variables of the contacts, in the order of the contacts; empty for contacts
-    /// without memory. An elastic contact has one, its force T.
+    /// The memory variables of the contacts, in the order of the contacts. A contact without memory
+    /// has no variable, and an elastic contact has one, its force T. If the list is empty in a
+    /// start state, all memory variables start at 0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Vec<f64>,
 }

@@ -3,7 +3,7 @@ use crate::friction::FrictionLaw;
 use crate::friction::law::LawRef;
 use crate::scalar::Scalar;
 
-/// Dry friction or one of the crate's laws with memory, as a value chosen at run time.
+/// A dry friction law or one of the crate's laws with memory, chosen at run time.
 ///
 /// The enum has one memory variable, which a dry law does not use. (The contacts of one structure
 /// may have laws of different types without this enum.)
@@ -30,13 +30,13 @@ use crate::scalar::Scalar;
 )]
 #[non_exhaustive]
 pub enum AnyContactLaw<L> {
-    /// No memory.
+    /// Dry friction, without memory.
     Dry(L),
-    /// Static friction that rises at rest.
+    /// Static friction that rises with the time in stick.
     Dwell(Dwell<L>),
     /// Elastic bristles.
     Dahl(Dahl),
-    /// Bristles with a law of sliding.
+    /// Bristles whose friction in steady sliding follows a dry law.
     LuGre(LuGre<L>),
 }
 

@@ -10,17 +10,18 @@ use crate::scalar::Scalar;
 /// z' = r − σ0 |r| z/g(|r|),   μ = σ0 z + σ1 z' + σ2 r
 /// ```
 ///
-/// r is the relative velocity, and g is the kinetic coefficient μ̂ of any law; in steady sliding μ
-/// = sgn(r) g(|r|) + σ2 r. There is no stick mode: every root of r is a
-/// [`Crossing`](crate::EventKind::Crossing). Near stick the times of crossings are ill-conditioned,
-/// but states are not. Units: z is a length, σ0 is 1/length, σ1 and σ2 are time/length, and g is
-/// dimensionless.
+/// r is the relative velocity, μ the friction coefficient, and g the kinetic coefficient μ̂ of any
+/// dry law. In steady sliding μ = sgn(r) g(|r|) + σ2 r. There is no stick mode: every change of
+/// sign of r is a [`Crossing`](crate::EventKind::Crossing). In the following, *near stick* means at
+/// small |r|, while the bristles bend elastically. Near stick the times of crossings are sensitive
+/// to small errors, but the states are not. z is a length. The stiffness σ0 of the bristles is
+/// 1/length; their damping σ1 and the viscous friction σ2 are time/length; g is dimensionless.
 ///
-/// The deflection z relaxes in slip at the rate σ0|r|/g. The number of steps does not grow with
-/// this rate: after the deflection has relaxed, a step is the power series of the slow manifold of
-/// the bristles. Near stick a mass m under the normal load N vibrates on its bristles with the
-/// frequency √(Nσ0/m). Steps near stick are about 10/√(Nσ0/m) long, even after this vibration has
-/// decayed.
+/// In slip the deflection z relaxes to its steady value at the rate σ0|r|/g. The number of steps
+/// does not grow with this rate: after z has relaxed, a step is a power series on the slow
+/// manifold, on which z follows the motion. Near stick a mass m under the normal load N vibrates on
+/// its bristles with the frequency √(Nσ0/m). Steps near stick are about 10/√(Nσ0/m) long, even
+/// after this vibration has decayed.
 ///
 /// Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
 /// Control* 40 (1995) 419-425.
@@ -85,7 +86,8 @@ impl<L: FrictionLaw> LuGre<L> {
         })
     }
 
-    /// The law g, the coefficient in steady sliding.
+    /// The dry law whose kinetic coefficient is g: the coefficient in steady sliding without
+    /// viscous friction.
     pub fn law(&self) -> &L {
         &self.law
     }
@@ -165,7 +167,8 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
     }
 }
 
-/// Dahl's model: purely elastic bristles, [`LuGre`] with a constant g and σ1 = σ2 = 0.
+/// Dahl's model: bristles without damping. It is [`LuGre`] with a constant g and σ1 = σ2 = 0; the
+/// symbols are those of `LuGre`.
 ///
 /// ```text
 /// z' = r − σ0 |r| z/g,   μ = σ0 z

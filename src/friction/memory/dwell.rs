@@ -12,12 +12,13 @@ use crate::scalar::Scalar;
 /// logarithmic   μ_s(θ) = μ_0 + B ln(1 + θ/θ_c)
 /// ```
 ///
-/// θ, the only memory variable, is the time since the beginning of stick. It is 0 in slip and after
-/// a [`Stick`](crate::EventKind::Stick) event. The state of a release event contains the value of θ
-/// just before the release. A start in stick may set θ. μ_∞ is the limit of μ_s, θ_c a time
-/// constant, and B the rate of the logarithmic form. A dry law gives the kinetic coefficient; its
-/// static coefficient is μ_0. Coefficients are dimensionless, times in the units of the structure.
-/// [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
+/// The only memory variable is θ, the time since the beginning of stick. θ is 0 in slip, and starts
+/// from 0 at a [`Stick`](crate::EventKind::Stick) event. The state of a release event contains the
+/// value of θ just before the release. The start state of a motion that starts in stick may contain
+/// θ > 0. μ_∞ is the limit of μ_s, θ_c a time constant, and B the rate of the logarithmic form. A
+/// dry law gives the kinetic coefficient and the static coefficient μ_0 at θ = 0. Coefficients are
+/// dimensionless, times in the units of the structure. [`analysis::dwell`](crate::analysis::dwell)
+/// has closed forms for one mass on a belt.
 ///
 /// Source: B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (hyperbolic);
 /// J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (logarithmic).
@@ -74,8 +75,8 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Rise::Exponential(limit), time)
     }
 
-    /// Creates a law whose static coefficient rises to the limit μ_∞ along a hyperbola; half of the
-    /// rise is reached after the time θ_c.
+    /// Creates a law whose static coefficient rises to the limit μ_∞ along a hyperbola. After the
+    /// time θ_c the coefficient has risen by half of μ_∞ − μ_0.
     ///
     /// # Errors
     ///
@@ -86,7 +87,7 @@ impl<L: FrictionLaw> Dwell<L> {
     }
 
     /// Creates a law whose static coefficient rises without bound, like the logarithm of the time
-    /// in stick. At times far above θ_c, μ_s rises by B when the time grows by the factor e.
+    /// in stick. At times far above θ_c, μ_s rises by B while the time grows by the factor e.
     ///
     /// # Errors
     ///

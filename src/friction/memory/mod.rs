@@ -29,7 +29,7 @@ pub(crate) use sliding::Sliding;
 use crate::friction::{AnyLaw, FrictionLaw, LawRef};
 use crate::scalar::Scalar;
 
-/// Sliding of a contact: the argument of its law in slip.
+/// Sliding of a contact at one instant. A [`ContactLaw`] gets this value in slip.
 ///
 /// ```
 /// use stick_slip::{ContactLaw, Coulomb, Slip};
@@ -58,7 +58,7 @@ impl<S: Scalar> Slip<S> {
     }
 }
 
-/// State of motion of a contact, stick or slip: an argument of its law.
+/// Stick or slip of a contact at one instant: an argument of [`ContactLaw::rates`].
 ///
 /// ```
 /// use stick_slip::{ContactLaw, Coulomb, Dahl, Dwell, Motion, Slip};
@@ -86,7 +86,7 @@ pub enum Motion<S> {
 pub trait Variables<S>: sealed::Sealed + Copy + AsRef<[S]> + AsMut<[S]> {
     /// Number of variables.
     const COUNT: usize;
-    /// The memory whose variable number j is `value(j)`.
+    /// Creates the memory variables: variable number j is `value(j)`.
     fn from_fn(value: impl FnMut(usize) -> S) -> Self;
 }
 
@@ -121,12 +121,13 @@ pub enum NamedLaw {
 /// stick:  |λ| ≤ N·μ_s(z),            z' = rates
 /// ```
 ///
-/// N is the normal load, r = σs the relative velocity, z the memory variables. A positive friction
-/// force λ opposes a positive r. Every [`FrictionLaw`] is a contact law without memory: μ(r) =
-/// σμ̂(s), and μ_s is its static coefficient.
+/// N is the normal load and z are the memory variables. r = σs is the relative velocity, with the
+/// direction of slip σ = ±1 and the sliding speed s. A positive friction force λ opposes a positive
+/// r. Every [`FrictionLaw`] is also a contact law, without memory: μ(r) = σμ̂(s), and μ_s is its
+/// static coefficient.
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
-/// on the direction of slip and on the base values of its arguments.
+/// on the direction of slip and on the base values ([`Scalar::value`]) of its arguments.
 ///
 /// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros.
 /// At speed 0, μ_s must be at least |μ|, and friction must oppose slip. The law must be continuous
@@ -184,7 +185,8 @@ pub trait ContactLaw: Sized {
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
     /// Static coefficient μ_s(z), dimensionless: the contact sticks while its force is at most
-    /// N·μ_s. `None` for a contact that never sticks. To make a constant, use `zero.constant(0.4)`.
+    /// N·μ_s. `None` for a contact that never sticks. The argument `zero` gives the number type:
+    /// write a constant as `zero.constant(0.4)`.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
     /// Rates of change dz/dt of the memory variables, per unit of time.
@@ -194,8 +196,8 @@ pub trait ContactLaw: Sized {
     /// ascending, positive. See [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
-    /// The memory just after the contact sticks or is released, as a function of the memory just
-    /// before. The state stored in the event contains the memory just before.
+    /// The memory just after a stick or release event, as a function of the memory just before the
+    /// event. The state stored in the event contains the memory just before the event.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
     /// The law as one of the laws of this crate, for serialization and comparison; `None` for a
