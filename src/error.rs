@@ -16,7 +16,7 @@ pub use structure::{Element, NotSliding};
 /// not continue.
 ///
 /// Every variant contains the numbers that a caller needs to decide what to do, and its message
-/// names the remedy. The numbers are in the units of the type whose method was called. They are
+/// names the remedy. The numbers have the units of the type whose method was called: they are
 /// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for
 /// [`Scaling::new`](crate::Scaling::new) and a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt),
 /// and in the units of the structure for a [`Structure`](crate::Structure).
@@ -81,7 +81,8 @@ pub enum Error {
     },
 
     /// A start state has an infinite or NaN component, or is so large or so small that the
-    /// equations overflow or underflow.
+    /// equations overflow or underflow. This error is also returned if the energy of a state
+    /// overflows.
     #[error(
         "the state u = {}, v = {} {}",
         Plain(*displacement),
@@ -176,8 +177,8 @@ pub enum Error {
         reached: Option<Reached>,
     },
 
-    /// A breakpoint of the law is infinite, NaN, ≤ 0 or ≤ the breakpoint before it, or the law
-    /// jumps there.
+    /// A breakpoint of the law is infinite, NaN or not positive, does not exceed the breakpoint
+    /// before it, or is a speed at which the law jumps.
     #[error(
         "breakpoint {index} of the friction law (counted from 0), {}, is not allowed; breakpoints \
          must be finite, positive and strictly ascending, and the law continuous there",
@@ -231,7 +232,7 @@ pub enum Error {
         expected: usize,
     },
 
-    /// Never returned, because a coordinate may have several contacts.
+    /// No function returns this error: a coordinate may have several contacts.
     #[error("coordinate {coordinate} has contact {contact} already")]
     CoordinateTaken {
         /// The coordinate, counted from 0.
@@ -275,14 +276,14 @@ pub enum Error {
         direction: Vec<(usize, f64)>,
     },
 
-    /// A structure has no steady sliding; the error contains the reason:
-    /// [`Structure::steady_sliding`](crate::Structure::steady_sliding).
+    /// A structure has no [steady sliding](crate::Structure::steady_sliding). The error contains
+    /// the reason.
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
-    /// A motion has no derivative with respect to a parameter. Either even the smallest change of
-    /// the parameter changes the sequence of events, as at grazing, or the family returns no system
-    /// for neighbouring values.
+    /// A motion has no derivative with respect to a parameter. Its sequence of events changes with
+    /// every change of the parameter, however small (as at grazing), or the given function returns
+    /// no system for neighbouring values of the parameter.
     #[error(
         "no derivative with respect to parameter {parameter}, counted from 0: every change of the \
          parameter, however small, changes the events of the motion or leaves the family without \
@@ -337,9 +338,9 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// An elastic contact has a law that is not constant. The displacement of its slider when slip
-    /// starts would not be determined:
-    /// [`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness).
+    /// The law of an elastic contact is not constant
+    /// ([`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness)). The
+    /// displacement of the slider would not be determined when slip starts.
     #[error(
         "an elastic contact needs one coefficient of friction at all speeds, and this law {}; give \
          `Coulomb::new(μ, μ)`, or give the slider a mass: a coordinate of its own, with a spring \
@@ -368,8 +369,8 @@ pub enum Error {
         limit: f64,
     },
 
-    /// The velocity of a belt jumps. A sticking mass would need an infinite force to follow the
-    /// jump.
+    /// The velocity of a belt jumps at a rigid contact. A sticking mass would need an infinite
+    /// force to follow the jump.
     #[error(
         "the velocity of the belt under coordinate {coordinate} jumps at time {}; replace the \
          jump by a steep ramp",
@@ -382,10 +383,10 @@ pub enum Error {
         time: f64,
     },
 
-    /// A step became so short that the time no longer changes, or its power series overflows. The
-    /// causes are a motion that grows without bound, an undeclared kink or jump of the law, or a
-    /// slope γ²·dμ̂/ds beyond about 1e20. In a structure, another cause is a stiffness with a
-    /// natural frequency of the order of 1e12 per unit of time or more.
+    /// A step became so short that the time no longer changes, or the power series of a step
+    /// overflows. The causes are a motion that grows without bound, an undeclared kink or jump of
+    /// the law, or a slope γ²·dμ̂/ds beyond about 1e20. In a structure, another cause is a
+    /// stiffness with a natural frequency of the order of 1e12 per unit of time or more.
     #[error(
         "the step size fell to {} {reached}: {}",
         Plain(*step),
@@ -421,10 +422,10 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// The normal load of a contact, which depends on displacements, fell to 0.
+    /// A normal load that depends on displacements fell to 0.
     ///
-    /// The surfaces separate. The stiffness matrix contains the normal spring, so it is no longer
-    /// valid. (A load that depends on time alone may fall to 0:
+    /// The surfaces separate. The stiffness matrix is no longer valid, because it contains the
+    /// normal spring. (A load that depends on time alone may fall to 0, with the event
     /// [`EventKind::Open`](crate::EventKind::Open).)
     #[error(
         "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, \
@@ -449,7 +450,8 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// A motion with the period of the drives was requested, but the drives have no common period.
+    /// A motion with the common period of the drives was requested, but the drives have no common
+    /// period.
     #[error(
         "the drives have no common period: all are constant, or their frequencies are \
          incommensurate, or one is a profile; for an autonomous motion give `Period::Free`, \
@@ -462,7 +464,8 @@ pub enum Error {
     #[error("a drive varies in time, so no motion is autonomous; give `Period::Driven`")]
     NotFree,
 
-    /// A search for an autonomous periodic motion began at an equilibrium, or reached one.
+    /// A search for an autonomous periodic motion began at an equilibrium, or reached an
+    /// equilibrium.
     #[error(
         "the search is at an equilibrium, which is not a periodic motion; give a guess on the \
          periodic motion, for example the end of a transient"
@@ -491,10 +494,11 @@ pub enum Error {
     },
 
     /// A search along a parameter was stopped by its watcher, or at its largest number of steps.
-    /// This number is [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS),
-    /// unless [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another
-    /// one. If the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter`
-    /// is `time`.
+    /// The largest number is
+    /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
+    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another number. If
+    /// the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
+    /// `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
          found; raise the limit with `with_max_steps`, or continue from there",
@@ -504,7 +508,8 @@ pub enum Error {
     Stopped {
         /// The name of the parameter.
         parameter: &'static str,
-        /// The value of the parameter to be searched next. Values well below it have been searched.
+        /// The value of the parameter to be searched next. All values well below `value` have been
+        /// searched.
         value: f64,
         /// The number of steps taken in slip phases.
         steps: usize,
@@ -519,9 +524,11 @@ pub enum Error {
     #[error("at {parameter} = {}: {source}", Plain(*value))]
     At {
         /// The name of the parameter: `belt_velocity`, `damping`, `load`, or the name given to
-        /// [`Along::named`](crate::bifurcation::Along::named); `parameter` for
-        /// [`orbit::follow`](crate::orbit::follow()); `belt_velocity`, `damping` or `normal_force`,
-        /// in SI units, for a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
+        /// [`Along::named`](crate::bifurcation::Along::named). In errors of [`orbit`](crate::orbit)
+        /// the name is `parameter`; in errors of [`orbit::locus`](crate::orbit::locus) it is `first
+        /// parameter` or `second parameter`. In errors of a
+        /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) it is `belt_velocity`, `damping` or
+        /// `normal_force`, in SI units.
         parameter: &'static str,
         /// The value of the parameter.
         value: f64,

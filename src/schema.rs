@@ -5,8 +5,8 @@
 //! calls the constructors, with the same checks and error messages. An unknown field is an error.
 //!
 //! Equilibria, cycles, sets of cycles, periodic motions, branches, sweeps, attractors, samples,
-//! energies and points of a diagram are **written only**, for other programs, because they follow
-//! from a system. To get them back, read the system and compute them again.
+//! energies and points of a diagram are **written only**, for other programs. These results follow
+//! from a system: to get them back, read the system and compute them again.
 //!
 //! A struct is written as a map from the names of its fields, all in `snake_case`, to their values.
 //! An enum is written as the name of its variant in `snake_case`, alone or as the only key of a
@@ -50,7 +50,7 @@
 //! | [`LimitCycle`](crate::LimitCycle) | `kind`, `belt_velocity`, `damping`, `multiplier`, `period`, `stick_duration`, `amplitude`, `mean_displacement`, `max_velocity`, `min_velocity`, `energy`, `state` (its start), `events` | no |
 //! | [`EnergyBudget`](crate::EnergyBudget) | `drive_work`, `belt_work`, `damper_loss`, `friction_loss` | no |
 //! | [`CycleSet`](crate::CycleSet) | `cycles`, `continuum`, `unresolved`: a list of `start`, `end` | no |
-//! | [`Continuum`](crate::limit_cycle::Continuum) | `max_amplitude`; nothing for ∞ | no |
+//! | [`Continuum`](crate::limit_cycle::Continuum) | `max_amplitude`, `null` for ∞ | no |
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
 //! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
 //! | [`AttractorKind`](crate::bifurcation::AttractorKind) | `equilibrium`, `continuum`, or `cycle` with its kind | no |
@@ -59,7 +59,7 @@
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
 //! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
 //! | [`Branch`](crate::orbit::Branch) | `points`: maps `parameter`, `orbit`; `bifurcations`: maps `parameter`, `kind` (in words), `orbit`; `ends` (in words) | no |
-//! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: nothing unless it is periodic | no |
+//! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: `null` if the attractor is not periodic | no |
 //! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |
 //! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `no_system`, `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence`, `discontinuity`, `unknown` | no |
@@ -114,5 +114,5 @@
 //!
 //! With the feature `float_roundtrip` of `serde_json`, every number is read back exactly. JSON has
 //! no ∞ and no NaN. No written number is NaN. Only the `max_amplitude` of a
-//! [`Continuum`](crate::limit_cycle::Continuum), and energies that overflow, can be infinite; they
+//! [`Continuum`](crate::limit_cycle::Continuum), and energies that overflow, can be infinite; both
 //! are written as `null`.

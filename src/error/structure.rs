@@ -50,7 +50,7 @@ pub enum NotSliding {
     NoLoad {
         /// Number of the contact.
         contact: usize,
-        /// Its normal load, in units of force.
+        /// The normal load of this contact, in units of force.
         load: f64,
     },
     /// The surfaces of an elastic contact do not move relative to each other when all masses are at

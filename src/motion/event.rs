@@ -8,13 +8,14 @@ use crate::state::{Direction, State};
     serde(rename_all = "snake_case")
 )]
 pub enum Mode {
-    /// The mass moves with the belt: v equals v_b bit for bit.
+    /// The surfaces move together: the velocity of a mass on a belt equals the belt velocity bit
+    /// for bit. In an elastic contact the slider sticks.
     Stick,
-    /// The mass slides, in this direction.
+    /// The surfaces slide on each other, in this direction.
     Slip(Direction),
     /// The contact is open: there is no normal load and no friction. Only a contact of a
-    /// [`Structure`](crate::Structure) can open, if the load varies in time or is the force of a
-    /// [normal spring](crate::Contact::with_normal_spring) of the contact.
+    /// [`Structure`](crate::Structure) can open, if its load varies in time or if it has a [normal
+    /// spring](crate::Contact::with_normal_spring).
     Open,
 }
 
@@ -28,7 +29,7 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// The kind of an event, at which the relative velocity or the normal load is zero.
+/// The kind of an [`Event`] at a contact: stick, release, crossing, opening or closing.
 ///
 /// The direction of an event is the direction of slip **after** the event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -38,13 +39,13 @@ impl std::fmt::Display for Mode {
     serde(rename_all = "snake_case")
 )]
 pub enum EventKind {
-    /// Slip ends: the contact sticks, and the mass moves with the belt.
+    /// Slip ends, and the contact sticks.
     Stick,
     /// Stick ends (slip onset): the stick force reaches the static limit, γ²μ_s for a mass on a
     /// belt.
     Release(Direction),
-    /// The relative velocity changes its sign, and the mass does not stick: the force that stick
-    /// needs would exceed the static limit.
+    /// The relative velocity changes its sign, and the contact does not stick: the force in stick
+    /// would exceed the static limit, or the law has no stick.
     Crossing(Direction),
     /// The normal load falls below 0, and the friction force becomes 0. A load that only touches 0
     /// is no event: see [`Contact`](crate::Contact).
@@ -56,8 +57,9 @@ pub enum EventKind {
 impl EventKind {
     /// The mode of the contact after the event.
     ///
-    /// After a `Close` the contact sticks or slips, depending on its relative velocity. The kind of
-    /// the event does not contain this velocity, so for `Close` this function returns `Stick`.
+    /// After a `Close` event the contact sticks or slips, depending on its relative velocity. The
+    /// kind of the event does not contain this velocity, so this function returns `Stick` for
+    /// `Close`. [`Trajectory::mode_at`](crate::Trajectory::mode_at) returns the true mode.
     ///
     /// ```
     /// use stick_slip::{Direction, EventKind, Mode};
@@ -101,8 +103,9 @@ pub struct Event<S = State> {
     pub contact: usize,
     /// The kind of the event.
     pub kind: EventKind,
-    /// State at the event. At a stick, a release or a crossing, the velocity at the contact equals
-    /// the belt velocity bit for bit. A contact may open or close at any velocity.
+    /// State at the event. At a stick, a release or a crossing of a mass on a belt, the velocity of
+    /// the mass equals the belt velocity bit for bit. A contact may open or close at any velocity,
+    /// and the slider of an elastic contact may stick or slip at any velocity of the mass.
     pub state: S,
 }
 

@@ -10,8 +10,8 @@ pub(crate) type Steps<'s, Step> = &'s mut dyn Iterator<Item = Result<Step, Error
 /// Settings of the integrator: tolerance and limits of work.
 ///
 /// Each step of a slip phase is a Taylor series of order 26. Slip ends at the first root of the
-/// polynomial of the sliding speed. Stick is computed by closed formulas. The page
-/// [`guarantees`](crate::guarantees) states what this method promises.
+/// polynomial of the sliding speed. Stick of a [`MassOnBelt`](crate::MassOnBelt) is computed by
+/// closed formulas. The page [`guarantees`](crate::guarantees) states what this method promises.
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
@@ -39,8 +39,8 @@ impl Integrator {
     /// The default tolerance: 2⁻⁵², the relative spacing of numbers of type `f64`. In a simulation
     /// a smaller tolerance takes more steps and does not improve the result.
     pub const ROUND_OFF: f64 = f64::EPSILON;
-    /// The least tolerance. The searches for limit cycles use it, because a cycle that is almost
-    /// neutrally stable magnifies the defect of a step.
+    /// The least tolerance. The searches for limit cycles use this tolerance, because a cycle that
+    /// is almost neutrally stable magnifies the error of a step.
     pub const MIN_TOLERANCE: f64 = 1e-16;
     /// The largest tolerance.
     pub const MAX_TOLERANCE: f64 = 1e-2;
@@ -60,12 +60,15 @@ impl Integrator {
         }
     }
 
-    /// Sets the relative tolerance: the error of a step in units of the scale of the motion, max(|u
-    /// − ū|, |v|, |v_b|).
+    /// Sets the relative tolerance: the error of a step in units of the scale of the motion. For a
+    /// [`MassOnBelt`](crate::MassOnBelt) the scale is max(|u − ū|, |v|, |v_b|), where u and v are
+    /// displacement and velocity, ū is the displacement of steady sliding, and v_b is the belt
+    /// velocity. In a [`Structure`](crate::Structure) each coordinate has its own scale, formed
+    /// from its velocity, its acceleration and the velocity of its belt.
     ///
-    /// A slip phase of a [`MassOnBelt`](crate::MassOnBelt) is stiff if its effective damping D =
-    /// 2β + γ²·dμ̂/ds is large. The scale is then max(|v|, |v_b|, |v'|/|D|), and a tolerance above
-    /// 1e-12 is replaced by 1e-12, which costs few steps: see
+    /// A slip phase of a `MassOnBelt` is stiff if its effective damping D = 2β + γ²·dμ̂/ds is
+    /// large. The scale is then max(|v|, |v_b|, |v'|/|D|), and 1e-12 replaces any larger tolerance.
+    /// The smaller tolerance costs few steps: see
     /// [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
@@ -85,8 +88,8 @@ impl Integrator {
 
     /// Sets the time at which the motion starts; 0 unless set.
     ///
-    /// The drives of a [`Structure`](crate::Structure) are functions of this time. The times of
-    /// events and states count from the same zero as the drives do, not from the start.
+    /// The drives of a [`Structure`](crate::Structure) are functions of time. The times of events
+    /// and states count from the zero of this time, not from the start of the motion.
     ///
     /// # Errors
     ///
@@ -138,16 +141,18 @@ impl Integrator {
     /// # Errors
     ///
     /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
-    /// * [`Error::InvalidState`] unless `start` is finite and, for a
-    ///   [`MassOnBelt`](crate::MassOnBelt), the scale of the motion, max(|u − ū|, |v|, |v_b|), is 0
-    ///   or from 1e-280 to 1e300;
+    /// * [`Error::InvalidState`] if a displacement or a velocity of `start` is not finite. For a
+    ///   [`MassOnBelt`](crate::MassOnBelt) this error is also returned if max(|u − ū|, |v|, |v_b|),
+    ///   the [scale](Self::with_tolerance) of the motion, is neither 0 nor between 1e-280 and
+    ///   1e300;
     /// * if the integration fails, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
     ///   [`Error::StepUnderflow`], [`Error::TooManySteps`] or [`Error::TooManyEvents`], with the
     ///   time and state reached;
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`] if `start` does not have
-    ///   the size of the structure, [`Error::InvalidParameter`] if a memory variable of `start` is
-    ///   not finite or makes a static coefficient negative, [`Error::OverLimit`],
-    ///   [`Error::Separation`] and [`Error::Undetermined`].
+    ///   the size of the structure, and [`Error::InvalidParameter`] if a memory variable of `start`
+    ///   is not finite or makes a static coefficient negative;
+    /// * for contacts of a `Structure` also [`Error::OverLimit`], [`Error::Separation`] and
+    ///   [`Error::Undetermined`].
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate<S: System>(
@@ -170,7 +175,7 @@ impl Integrator {
     /// `stop` is called with each step, in order. It returns the time at which the motion shall
     /// end, between the start and the end time of this step, or `None` to continue. A motion that
     /// is stopped at the end of a step keeps the events at this end. To stop at a condition on the
-    /// state, return [`Segment::first_zero`] from `stop`. To stop after a number of events or
+    /// state, return the result of [`Segment::first_zero`]. To stop after a number of events or
     /// steps, count them in `stop`:
     ///
     /// ```

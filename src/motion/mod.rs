@@ -71,12 +71,13 @@ pub trait Segment: sealed::Sealed + Clone {
 
     /// Time at which the step starts.
     fn start_time(&self) -> f64;
-    /// Time at which the step ends; infinite for an equilibrium that lasts for ever.
+    /// Time at which the step ends; infinite if all velocities stay constant and no further event
+    /// follows.
     fn end_time(&self) -> f64;
-    /// Duration of the step; infinite for an equilibrium that lasts for ever.
+    /// Duration of the step; infinite if all velocities stay constant and no further event follows.
     fn duration(&self) -> f64;
     /// Time elapsed at `time` since the **start** of the step: 0 if `time` lies before the step,
-    /// and the duration of the step if it lies after.
+    /// and the duration of the step if `time` lies after the step.
     fn since_start(&self, time: f64) -> f64;
     /// State at a finite time t after the **start** of the step,
     /// 0 ≤ t ≤ [`duration`](Self::duration).
@@ -88,14 +89,15 @@ pub trait Segment: sealed::Sealed + Clone {
     /// Returns the part of the step up to `time`, without the events at the end of the step.
     fn until(self, time: f64) -> Self;
 
-    /// The first time in this step at which a function f of the state is 0, exact to the last bit.
-    /// `None` if f has no zero in this step, or if the step has infinite duration.
+    /// The first time in this step at which a function f of the state is 0. The time is exact to
+    /// the last bit. `None` if f has no zero in this step, or if the step has infinite duration.
     ///
     /// f must be continuous. A zero at the start of the step does not count: it belongs to the step
-    /// before. A zero without a change of sign may be missed. f is evaluated at 33 times, and its
-    /// extremes near zero between these times are also searched. Two zeros between neighbouring
-    /// times are therefore found, unless another such pair or an end of the step is near. (A slip
-    /// phase has several steps, each usually at most a radian long.)
+    /// before. A zero without a change of sign may be missed. f is evaluated at 33 times. Between
+    /// these times, extremes of f near zero are searched. Two zeros between neighbouring times are
+    /// therefore usually found; they may be missed near another such pair or near an end of the
+    /// step. (A slip phase has several steps, each usually at most one radian of the vibration
+    /// long.)
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};

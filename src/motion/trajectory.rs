@@ -21,8 +21,7 @@ pub enum Ended {
 ///
 /// Returned by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
 /// [`Structure::simulate`](crate::Structure::simulate). A trajectory contains the power series of
-/// the motion between events, so the state at any time is as accurate as the states at the ends of
-/// steps.
+/// all steps, so the state at any time is as accurate as the states at the ends of steps.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
@@ -75,7 +74,7 @@ impl<S: SystemState> Trajectory<S> {
     }
 
     /// The steps of the motion, as returned by [`Integrator::flow`](crate::Integrator::flow). The
-    /// last one is cut at the end of the motion.
+    /// last step is cut at the end of the motion.
     pub fn steps(&self) -> &[S::Step] {
         &self.steps
     }
@@ -96,7 +95,7 @@ impl<S: SystemState> Trajectory<S> {
     /// NaN.
     ///
     /// The start is at time 0, unless
-    /// [`Integrator::with_start_time`](crate::Integrator::with_start_time) sets another.
+    /// [`Integrator::with_start_time`](crate::Integrator::with_start_time) sets another time.
     pub fn state_at(&self, time: f64) -> Option<S> {
         let step = self.step_at(time)?;
         Some(step.state_at(step.since_start(time)))
