@@ -255,8 +255,8 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a matrix to the stiffness matrix K, in units of force per displacement. It need not be
-    /// symmetric.
+    /// Adds a matrix to the stiffness matrix K, in units of force per displacement. The added
+    /// matrix need not be symmetric.
     ///
     /// # Errors
     ///
@@ -273,8 +273,8 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a matrix to the damping matrix C, in units of force per velocity. It need not be
-    /// symmetric.
+    /// Adds a matrix to the damping matrix C, in units of force per velocity. The added matrix need
+    /// not be symmetric.
     ///
     /// # Errors
     ///
