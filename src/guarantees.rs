@@ -15,13 +15,12 @@
 //! 1. **Steps.** Each step of a slip phase is a Taylor series of order 26. Its defect is the
 //!    residual that the series leaves in the equation of motion. A step is accepted if the defect
 //!    is small at a quarter, a half and three quarters of the step, at its end, and near the
-//!    minimum of the sliding speed. These checks also catch terms of the law that underflow at the
-//!    start of the step, such as exp(−400) in a law with a small Stribeck velocity. In a step
-//!    longer than one radian the defect is checked at every quarter of a radian. These checks find
-//!    a narrow bump exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is
-//!    at least 1/40 of the motion's velocity amplitude. Declare a
-//!    [breakpoint](crate::FrictionLaw::breakpoints) at any narrower feature. Tests:
-//!    `belt::integrator::promise_1_hidden_terms_are_not_missed`,
+//!    minimum of the sliding speed. In a step longer than one radian the defect is also checked at
+//!    every quarter of a radian. The checks catch terms of the law that underflow at the start of
+//!    the step, such as exp(−400) in a law with a small Stribeck velocity. They find a narrow bump
+//!    exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is at least 1/40
+//!    of the motion's velocity amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints)
+//!    at any narrower feature. Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
 //!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
 //!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
 //! 2. **Zeros of v_r** are roots of the polynomial of the sliding speed. They are isolated, so that
@@ -49,9 +48,9 @@
 //!    `belt::integrator::promise_6_time_does_not_drift_over_a_hundred_thousand_cycles`.
 //! 7. **Tolerance** is the error of a step relative to the scale of the motion, max(|u − ū|, |v|,
 //!    |v_b|), with ū the displacement of steady sliding. A change of units therefore only scales
-//!    the result. Where a motion creeps (D large), or the law is so steep that ū lies far beyond
-//!    the motion, the scale is max(|v|, |v_b|, |v'|/max(1, D)).
-//!    Tests: `belt::integrator::promise_7_scaling_the_units_scales_the_result`,
+//!    the result. If a motion creeps (D large), or the law is so steep that ū lies far beyond the
+//!    motion, the scale is max(|v|, |v_b|, |v'|/max(1, D)). Tests:
+//!    `belt::integrator::promise_7_scaling_the_units_scales_the_result`,
 //!    `belt::integrator::requested_tolerance_is_met`,
 //!    `belt::hostile::other_units_of_length_change_no_bit`.
 //! 8. **Errors.** A run that cannot continue returns a typed [`Error`](crate::Error) with the time
@@ -85,12 +84,12 @@
 //! | stick, v_b > 0: F grows at the rate v_b and reaches F_s | [`Release`](crate::EventKind::Release), slip with v_r < 0; u = F_s − 2βv_b, v = v_b |
 //! | stick, v_b < 0: F reaches −F_s | `Release`, slip with v_r > 0 |
 //! | stick, v_b = 0 | the mass stays at rest for ever |
-//! | slip, v_r reaches 0, F in the band | [`Stick`](crate::EventKind::Stick), also where γ²μ̂(0) < \|F\|: static friction holds |
+//! | slip, v_r reaches 0, F in the band | [`Stick`](crate::EventKind::Stick), even if γ²μ̂(0) < \|F\|: static friction can hold the mass |
 //! | slip, v_r reaches 0, F outside the band | [`Crossing`](crate::EventKind::Crossing): slip continues with the other sign. This includes slip with v_r > 0 that ends exactly at the open end of the band |
 //! | slip with v_r < 0, v_r touches 0 tangentially at the open end of the band | no event, slip continues |
 //! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
 //! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
-//! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
+//! | start at the release point u = F_s − 2βv_b, v = v_b, within 4 ulps of the largest of these terms | `Release` at time 0, reported |
 //!
 //! Rows that give a sign of v_r, but no sign of v_b, apply to v_b > 0. For v_b < 0 the sign of v_r
 //! is reversed.
@@ -118,12 +117,12 @@
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
-//! * **Contacts that share masses** and have the relative velocity r = 0 are decided together,
-//!   stick or slip, by the rule on the page of
+//! * **Contacts that share masses** and have the relative velocity r = 0: stick or slip is decided
+//!   for all of them together, by the rule on the page of
 //!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
-//!   matter. If contacts reach r = 0, any contact whose direction is a linear combination of their
-//!   directions also reaches r = 0, and is decided with them. If contacts with linearly dependent
-//!   directions would stick at the same time, the run returns
+//!   matter. If several contacts reach r = 0, every contact whose direction is a linear combination
+//!   of their directions also reaches r = 0, and is decided together with them. If contacts with
+//!   linearly dependent directions would stick at the same time, the run returns
 //!   [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
@@ -138,8 +137,9 @@
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
 //! * **Elastic contacts** transmit exactly their limit force while they slip, for any tangential
 //!   stiffness from 1e-2 to 1e12 times the stiffness of the mass's spring:
-//!   `structures::elastic::any_stiffness_has_every_event`. If loads depend on time alone, the
-//!   distance between two motions never grows, and energies balance:
+//!   `structures::elastic::any_stiffness_has_every_event`. Energies balance. Two motions never come
+//!   apart, measured by the energy of their difference, if loads depend on time alone, coefficients
+//!   are constant, and K and C are symmetric and positive semidefinite:
 //!   `structures::elastic_identities::two_motions_never_come_apart`,
 //!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A time-stepping
 //!   scheme without modes and events reaches the same states:
@@ -169,5 +169,5 @@
 //! | [`orbit::follow`](crate::orbit::follow) | no: only the branch connected with the start; two bifurcations of one kind within a step can be missed | `orbit::follow::bifurcations_of_forced_motions_are_those_of_the_reference`, `orbit::follow::both_directions_meet` |
 //!
 //! Motions of one mass on a belt of constant velocity lie in a plane and cannot cross each other,
-//! so a search for its limit cycles can be complete. With a force, a second mass or a memory they
-//! can cross, and a search finds only a motion near its guess.
+//! so a search for its limit cycles can be complete. With a force, a second mass or memory
+//! variables motions can cross, and a search finds only a motion near its guess.

@@ -2,15 +2,16 @@
 //!
 //! For a mass on a moving belt the crate finds every event: stick (slip ends, the mass moves with
 //! the belt), release (slip onset) and crossing (the relative velocity changes its sign without
-//! stick). It finds every limit cycle, and the belt velocities at which cycles appear. The friction
-//! law can be any analytic or piecewise analytic function. The motion of several masses is computed
-//! with the same accuracy. Friction may act on belts and between masses; forces and belt velocities
-//! may vary in time. The [periodic motions](orbit) of several masses are found from a guess.
+//! stick). Within [stated limits](limit_cycle#what-is-guaranteed) it finds every limit cycle, and
+//! the belt velocities at which cycles appear. The friction law can be any analytic or piecewise
+//! analytic function. Motions of several masses are computed with equal accuracy. Friction may act
+//! on belts and between masses; forces and belt velocities may vary in time. The [periodic
+//! motions](orbit) of several masses are found from a guess.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
 //!
-//! // μ_s, the least coefficient and the sliding speed at which it lies; v_b; β; γ² = 1.
+//! // μ_s, the least coefficient and its sliding speed; v_b; β. The friction load γ² is 1.
 //! let law = Polynomial::new(0.4, 0.25, 0.5)?;
 //! let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
 //!
@@ -19,7 +20,7 @@
 //! let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
 //! assert_eq!(kinds, ["stick", "release (lagging)", "stick", "release (lagging)"]);
 //!
-//! // The limit cycle that it tends to, without a transient.
+//! // The limit cycle of this motion, computed without its transient.
 //! let cycle = limit_cycle::stick_slip(&system)?.ok_or("no stick-slip")?;
 //! assert!((cycle.period() - 6.799421444472158).abs() < 1e-14);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -40,21 +41,21 @@
 //! | stability of steady sliding | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding gains or loses stability | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
-//! | the belt velocity at which a pure-slip cycle touches the belt velocity, and appears or disappears | [`bifurcation::touching_velocities`] |
+//! | the belt velocity at which a pure-slip cycle appears or disappears because its largest velocity reaches that of the belt | [`bifurcation::touching_velocities`] |
 //! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
 //! | the belt velocity at which a stable and an unstable cycle meet and vanish | [`bifurcation::fold_velocities`] |
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
 //! | the attractors over a range of belt velocities, bistable ranges included | [`bifurcation::vibration_ranges`] |
-//! | the load, the damping or the coefficient of a law at which any of this happens | [`bifurcation::along`] |
+//! | the load, damping or law coefficient at which one of these changes happens | [`bifurcation::along`] |
 //! | the largest load without vibration | [`bifurcation::silencing_load`] |
 //! | the least damping without vibration | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
-//! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
+//! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
-//! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; the force in it: [`Structure::carried`] |
+//! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; its force: [`Structure::carried`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`], [`Contact::along`] its mode shapes |
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
 //! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`] |
-//! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
+//! | a periodic motion of any system, with its Floquet multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes with any parameter | [`orbit::follow`] |
 //! | the load or the speed at which a structure begins and ceases to vibrate, with hysteresis | [`orbit::vibration_ranges`] |
 //! | the motion that is born where steady sliding becomes unstable | [`orbit::begin`] |
@@ -66,12 +67,12 @@
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
-//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`]; contacts of one structure may have different laws without them |
+//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] where surfaces part |
 //! | a law that depends on the direction | a [`ContactLaw`] gets the direction; a [`FrictionLaw`] is odd in the relative velocity |
-//! | an incline, or a constant force | a constant force F shifts the displacement by F/k and has no other effect; an incline also reduces the normal force. Or use [`Structure::with_force`] |
-//! | torsion | moments of inertia for masses, radians for metres, N·m for newtons |
+//! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
+//! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
 //! | samples at 48 kHz, each with its mode, stick or slip | [`Trajectory::sample_every`] |
 //! | bounding, watching or stopping a search | [`bifurcation::Along`], [`orbit::Search`]; the results found so far are kept |
@@ -100,8 +101,8 @@
 //! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and returns numbers in kilograms, metres
 //! and newtons. [`Scaling`] converts between SI units and dimensionless numbers.
 //!
-//! A [`FrictionLaw`] consists of a static coefficient μ_s and a kinetic coefficient μ̂(s) for s ≥
-//! 0, with the limit μ̂(0) ≤ μ_s for s → 0. The law is odd in the relative velocity: μ(v_r) =
+//! A [`FrictionLaw`] consists of a static coefficient μ_s and a kinetic coefficient μ̂(s). The limit
+//! μ̂(0) for s → 0 must not exceed μ_s. The law is odd in the relative velocity: μ(v_r) =
 //! sgn(v_r)·μ̂(|v_r|).
 //!
 //! "Amplitude" has several meanings:
@@ -123,8 +124,8 @@
 //! * **Stick** has closed formulas, and the velocity is v_b to the bit.
 //! * **Uniqueness.** From every state with v_r = 0 exactly one motion follows. In stick the contact
 //!   transmits the force F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
-//! * **Accuracy.** The tolerance is relative to the scale of the motion, by default round-off. The
-//!   results agree with 22 reference motions, computed with 25 digits, within
+//! * **Accuracy.** The tolerance is relative to the scale of the motion. By default it is
+//!   round-off. The results agree with 22 reference motions, computed with 25 digits, within
 //!   1e-13·max(1, |value|).
 //! * **Repeatability.** The same call gives the same bits on the same kind of processor.
 //! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
@@ -144,16 +145,17 @@
 //!   motions of a [`Structure`] are found from a guess: see [`orbit`].
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
-//!   or a [`ContactLaw`] of your own), and a belt becomes a structure by `Structure::from`.
+//!   or a [`ContactLaw`] of your own), and `Structure::from` converts a mass on a belt to a
+//!   structure.
 //! * **Contacts that share masses.** Stick or slip is decided for all of them together. The
 //!   decision is unique if static and kinetic coefficients are equal; otherwise it follows [a
 //!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions must
 //!   not come to rest at the same time ([`Error::Undetermined`]).
 //! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
 //!   above its minimum) does not increase the number of steps, up to D = 2β + γ²·dμ̂/ds of about
-//!   1e20. In structures only stiff memory of one variable, such as bristles, is treated this way
-//!   (tried up to σ0 = 1e12). Other stiffness shortens the explicit steps; extreme stiffness ends
-//!   in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
+//!   1e20. In structures only contacts with one stiff memory variable, such as bristles, are
+//!   treated this way (tried up to a bristle stiffness σ0 = 1e12). Other stiffness shortens the
+//!   explicit steps; extreme stiffness ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the

@@ -22,11 +22,12 @@ use crate::structure::{Contact, Structure};
 /// M X'' + C X' + K X + N μ(X' − V) = 0
 /// ```
 ///
-/// This type contains the [dimensionless system](Self::dimensionless) and converts all numbers to
-/// and from dimensionless form. The motions and cycles that it returns have the same types as those
-/// of a [`MassOnBelt`], but all numbers are in SI units. Times are in s, displacements in m,
-/// velocities in m/s, angular frequencies and eigenvalues in rad/s, energies in J. Multipliers have
-/// no unit. Each conversion costs a few rounding errors.
+/// X is the displacement; M, C, K, N and V are the parameters in [`Physical`]. This type contains
+/// the [dimensionless system](Self::dimensionless) and converts all numbers to and from
+/// dimensionless form. The motions and cycles that it returns have the same types as those of a
+/// [`MassOnBelt`], but all numbers are in SI units. Times are in s, displacements in m, velocities
+/// in m/s, angular frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit.
+/// Each conversion costs a few rounding errors.
 ///
 /// Numbers in errors are also in SI units; parameters have the names of the fields of [`Physical`].
 ///
@@ -191,7 +192,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Integrator::simulate`]; numbers in SI units.
+    /// The errors of [`Integrator::simulate`], with numbers in SI units.
     #[doc(alias = "integrate")]
     pub fn simulate(&self, start: impl Into<State>, seconds: f64) -> Result<Trajectory, Error> {
         self.simulate_with(Integrator::new(), start, seconds)
@@ -202,7 +203,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Integrator::simulate`]; numbers in SI units.
+    /// The errors of [`Integrator::simulate`], with numbers in SI units.
     pub fn simulate_with(
         &self,
         integrator: Integrator,
@@ -221,7 +222,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Integrator::simulate_until`]; numbers in SI units.
+    /// The errors of [`Integrator::simulate_until`], with numbers in SI units.
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, Physical, PhysicalMassOnBelt, Segment, Stribeck};
@@ -290,7 +291,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`limit_cycle::find`]; numbers in SI units.
+    /// The errors of [`limit_cycle::find`], with numbers in SI units.
     #[doc(alias = "find")]
     pub fn cycles(&self) -> Result<CycleSet, Error> {
         match limit_cycle::find(&self.system) {
@@ -303,7 +304,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`limit_cycle::stick_slip`]; numbers in SI units.
+    /// The errors of [`limit_cycle::stick_slip`], with numbers in SI units.
     pub fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
         match limit_cycle::stick_slip(&self.system) {
             Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(self.scaling.units()))),
@@ -394,7 +395,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`bifurcation::vibration_ranges`]; numbers in SI units.
+    /// The errors of [`bifurcation::vibration_ranges`], with numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn vibration_ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
         let search = |range| bifurcation::vibration_ranges(&self.system, range);
@@ -411,7 +412,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`bifurcation::silencing_damping`]; numbers in SI units.
+    /// The errors of [`bifurcation::silencing_damping`], with numbers in SI units.
     ///
     /// ```
     /// # use stick_slip::{Physical, PhysicalMassOnBelt, Stribeck};
@@ -441,7 +442,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`bifurcation::silencing_load`]; numbers in SI units.
+    /// The errors of [`bifurcation::silencing_load`], with numbers in SI units.
     #[doc(alias = "squeal")]
     pub fn silencing_load(&self) -> Result<f64, Error> {
         let load = bifurcation::silencing_load(&self.system);
@@ -554,7 +555,7 @@ where
 
     /// # Errors
     ///
-    /// The errors of [`Structure`]'s constructors; they can occur only for numbers near the limits
+    /// The errors of [`Structure`]'s constructors, which can occur only for numbers near the limits
     /// of `f64`.
     fn try_from(brake: &PhysicalMassOnBelt<L>) -> Result<Self, Error> {
         let physical = brake.physical();

@@ -56,7 +56,8 @@ pub struct Physical {
 /// are replaced by angular velocities, in rad/s.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
-/// Stability Analysis*, Eq. 1; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
+/// Stability Analysis*, Eq. 1; J. J. Thomsen, A. Fidlin, *Analytical approximations for stick-slip
+/// vibration amplitudes*, Int. J. Non-Linear Mech. 38 (2003) 389-403.
 ///
 /// ```
 /// use stick_slip::{Physical, Scaling, State, Stribeck};

@@ -1,17 +1,18 @@
 //! Averaging, for weak friction and any law: the slow growth and decay of a vibration, and the
 //! limit cycles that it approaches.
 //!
-//! Let z = u − ū = A sin ψ and z' = A cos ψ, with the equilibrium ū. The amplitude A drifts slowly
-//! (Eq. 12, for any law):
+//! Symbols are those of the [crate page](crate#the-mass-on-its-belt). Let z = u − ū = A sin ψ and
+//! z' = A cos ψ, where ū is the equilibrium. The amplitude A drifts slowly (Eq. 12 of Farshidianfar
+//! and Noei Aghaee, for any law):
 //!
 //! ```text
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase has no drift: ψ = ψ(0) + τ. Farshidianfar and Noei Aghaee say that such integrals
-//! "are not analytically solvable"; this module computes them to round-off. Integration by parts
-//! avoids cancellation at small A. By mirror symmetry the result depends on the speed w = |v_b| of
-//! the belt, but not on its direction:
+//! and the phase does not drift: ψ = ψ(0) + τ. The source paper says that such integrals "are not
+//! analytically solvable". This module computes them to round-off. Integration by parts avoids
+//! cancellation at small A. By mirror symmetry the result depends on the speed w = |v_b| of the
+//! belt, but not on its direction:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
@@ -24,7 +25,8 @@
 //! trapezoidal rule is used. Otherwise Gauss-Legendre quadrature is used on panels that end at
 //! ψ = s and at the breakpoints.
 //!
-//! The amplitude A and the period 2π have errors O(ε²). Averaging describes motions that never
+//! The amplitude A and the period 2π have errors O(ε²), where ε is the size of friction and damping
+//! compared with the spring ([`analysis`](super)). Averaging describes only motions that never
 //! stick: see [`AveragedCycle::is_valid`].
 
 use std::f64::consts::PI;
@@ -251,7 +253,7 @@ impl AveragedCycle {
 
     /// Returns true if the motion never sticks, so that averaging describes it: if A ≤ |v_b|, or if
     /// A sin s > γ²(μ_s + μ̂(0)) with cos s = |v_b|/A. In the second case the mass overtakes the
-    /// belt, and static friction cannot balance the spring when both velocities are equal again.
+    /// belt. When both velocities are equal again, static friction cannot balance the spring.
     /// Otherwise the motion sticks: see [`StickSlip`](super::StickSlip). The load γ² above which
     /// the second condition fails has a relative error O(ε).
     pub fn is_valid(&self) -> bool {
@@ -266,13 +268,14 @@ impl AveragedCycle {
 ///
 /// # What "all" means
 ///
-/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (At sliding speed s friction supplies
-/// energy only while the mass has the velocity |v_b| − s > 0. If A ≥ 2|v_b|, the mass slides at the
-/// same speeds s while it is faster than the belt, and friction then dissipates more energy than it
-/// supplies.) The search covers 0 < A < 2|v_b|. Let A_i be the amplitudes at which the mass first
-/// reaches the velocity of the belt or a breakpoint of the law. Between two successive A_i, A'/A is
-/// analytic in √(A² − A_i²), and is interpolated by Chebyshev polynomials to round-off. The
-/// intervals are divided until A'/A has no root or is monotone on each. No cycle is missed, except
+/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Friction supplies energy only while
+/// the velocity of the mass is between 0 and that of the belt, at sliding speeds below |v_b|. If A
+/// ≥ 2|v_b|, the mass reaches each of these sliding speeds also while it is faster than the belt.
+/// Friction then dissipates more energy than it supplies.) The search covers 0 < A < 2|v_b|. Let
+/// A_i be the least amplitudes at which the mass reaches the belt velocity, or its sliding speed a
+/// breakpoint of the law. Between two successive A_i, A'/A is analytic in √(A² − A_i²), and is
+/// interpolated by Chebyshev polynomials to round-off. The intervals are divided until A'/A has no
+/// root or is monotone on each. No cycle is missed, except
 ///
 /// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than
 ///   10⁻¹⁴(β + γ²·max abs(dμ̂/ds)), a bound of its rounding error. Near folds of the exponential

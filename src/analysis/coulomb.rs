@@ -1,4 +1,5 @@
-//! Closed forms for Coulomb's law.
+//! Closed forms for Coulomb's law: static coefficient μ_s, kinetic coefficient μ_k. The other
+//! symbols are those of the [crate page](crate#the-mass-on-its-belt).
 
 use std::f64::consts::PI;
 
@@ -161,7 +162,7 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 /// ```
 ///
 /// `None` if there is no stick-slip cycle: if v_b = 0, if μ_s = μ_k, if β ≥ 1, or if |v_b| is at
-/// least [`largest_stick_slip_velocity`]. The multiplier is 0.
+/// least [`largest_stick_slip_velocity`]. The Floquet multiplier is 0.
 ///
 /// Source: the exact solution of the equations of stick and slip, which are linear for this law.
 ///

@@ -24,16 +24,16 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 
-/// Damping ratio above which steady sliding at the system's belt velocity is stable:
-/// max(0, −½γ² dμ̂/ds), with the slope at |v_b|. Dimensionless, exact. `None` if v_b = 0. The
-/// system's own β is ignored.
+/// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
+/// dμ̂/ds), with the slope of the law at the sliding speed |v_b|. Dimensionless, exact. `None` if
+/// v_b = 0. The system's own β is ignored.
 ///
 /// With more damping, small disturbances decay. For the polynomial law, large disturbances also
 /// decay if friction is weak compared with the spring. If a law falls more steeply at other speeds
 /// (exponential), or jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although steady
 /// sliding is stable.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14 (the condition h1 > 0).
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14: steady sliding is stable if 2β + γ² dμ̂/ds > 0.
 ///
 /// ```
 /// use stick_slip::analysis::design::stabilizing_damping;

@@ -26,11 +26,11 @@
 //!
 //! W0 and W−1 are the branches of Lambert's function. With damping, the slip phase is a part of a
 //! damped vibration. Each slip arc belongs to one duration of stick and to one belt velocity, so
-//! all cycles lie on one curve, which is known in closed form. Along this curve the belt velocity
-//! has one maximum, the fold, at which a stable and an unstable cycle meet. The unstable cycle
-//! exists down to the belt velocity N(μ_s(θ) − μ_k)Λω/k. At this velocity the mass reaches the belt
-//! velocity tangentially at the end of slip, and ωθ = 1/Λ, with Λ from
-//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
+//! the cycles form one curve in the plane of these two quantities, which is known in closed form.
+//! Along this curve the belt velocity has one maximum, the fold, at which a stable and an unstable
+//! cycle meet. The unstable cycle exists down to the belt velocity N(μ_s(θ) − μ_k)Λω/k. At this
+//! velocity the mass reaches the belt velocity tangentially at the end of slip, and ωθ = 1/Λ, with
+//! Λ from [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
 //! Wear 173 (1994) 1-12, for the criterion; the other formulas follow from the exact solution of
@@ -115,9 +115,9 @@ impl DwellOscillator {
     /// * v = 0, or c ≥ 2√(km);
     /// * without damping: |v| is [`critical_velocity`](Self::critical_velocity) or more;
     /// * with damping: |v| is above the [`fold`](Self::fold);
-    /// * the mass overtakes the belt: at the end of slip, stick would need a friction force above
-    ///   N·μ_s(0) in the direction opposite to that at the release (only if static friction rises
-    ///   far above N·μ_s(0));
+    /// * the mass overtakes the belt: to stick at the end of slip, it would need a friction force
+    ///   above N·μ_s(0), opposite to the force at the release. This happens only if static friction
+    ///   rises far above N·μ_s(0);
     /// * a field is out of its range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
@@ -147,8 +147,8 @@ impl DwellOscillator {
         self.cycle_between(&of, velocity, low, high)
     }
 
-    /// The unstable stick-slip cycle at the belt velocity v, exact. It separates the starts that
-    /// lead to the stable cycle from the other starts. It exists only with damping, between
+    /// The unstable stick-slip cycle at the belt velocity v, exact. This cycle separates the starts
+    /// that lead to the stable cycle from the other starts. It exists only with damping, between
     /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold). `None` in the
     /// cases listed at [`stick_slip`](Self::stick_slip), or if rounding cannot separate the cycle
     /// from the fold. If static friction has almost reached its limit at the release, the range of
@@ -164,11 +164,13 @@ impl DwellOscillator {
 
     /// The cycle at the fold. The fold is the largest belt velocity with a cycle; there the stable
     /// and the unstable cycle meet. The belt velocity is exact. The multiplier is 1 within about
-    /// 10⁻⁸. If static friction has almost reached its limit at the release, the acceleration at
-    /// the end of slip is smaller than rounding errors, and the multiplier is undetermined.
+    /// 3·10⁻¹⁶ωv/a, where v is the belt velocity and a the acceleration of the mass at the end of
+    /// slip. If static friction has almost reached its limit at the release, a is smaller than
+    /// rounding errors, and the multiplier is undetermined.
     ///
-    /// `None` without damping (there is no unstable cycle), if static friction does not rise, or if
-    /// c ≥ 2√(km).
+    /// `None` without damping (there is no unstable cycle), if static friction does not rise, if c
+    /// ≥ 2√(km), if the mass overtakes the belt (see [`stick_slip`](Self::stick_slip)), or if a
+    /// field is out of its range.
     pub fn fold(&self) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let p = self.fold_arc(&of)?;

@@ -1,6 +1,7 @@
-//! Closed forms for the exponential law, Eq. 6 of Farshidianfar and Noei Aghaee: the belt
-//! velocities at which steady sliding changes its stability, and the damping that ends all
-//! vibration.
+//! Closed forms for the exponential law μ̂(s) = μ_k + (μ_s − μ_k)e^{−(s/v_s)²}, Eq. 6 of
+//! Farshidianfar and Noei Aghaee: the belt velocities at which steady sliding changes its
+//! stability, and the damping that ends all vibration. The other symbols are those of the [crate
+//! page](crate#the-mass-on-its-belt).
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
@@ -26,7 +27,7 @@ impl HopfPoint {
     }
 
     /// Returns true if the point is supercritical: a small stable cycle exists where steady sliding
-    /// is unstable (μ̂''' > 0, that is v < √(3/2) v_s). Otherwise a small unstable cycle exists
+    /// is unstable (μ̂''' > 0, that is |v_b| < √(3/2) v_s). Otherwise a small unstable cycle exists
     /// where steady sliding is stable, and a disturbance larger than this cycle leads to a large
     /// vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
@@ -50,9 +51,9 @@ impl HopfPoint {
 /// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
 /// The Hopf point at v_low is always supercritical. Farshidianfar and Noei Aghaee say that this law
-/// behaves "almost similar" to the polynomial law. This is wrong: the polynomial law rises above
-/// v_m, and the exponential law never rises. On a slow belt with small damping, steady sliding is
-/// stable with the exponential law and unstable with the polynomial law.
+/// behaves "almost similar" to the polynomial law. This is wrong: the polynomial law rises at
+/// speeds above its minimum, and the exponential law never rises. On a slow belt with small
+/// damping, steady sliding is stable with the exponential law and unstable with the polynomial law.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
@@ -114,8 +115,8 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
 }
 
 /// Belt velocity above which no vibration lasts, dimensionless: 0 if β is at least
-/// [`silencing_damping_everywhere`], and ∞ if β = 0. `None` for values of β between 0 and this
-/// limit, because no formula is known: above the higher Hopf velocity a stick-slip vibration can
+/// [`silencing_damping_everywhere`], and ∞ if β = 0. `None` if β lies between 0 and this damping
+/// ratio, because no formula is known: above the higher Hopf velocity a stick-slip vibration can
 /// exist although steady sliding is stable. The system's own v_b is ignored.
 ///
 /// ```

@@ -3,8 +3,8 @@
 //!
 //! If a belt vibrates at a frequency Ω far above the natural frequencies of the system, a fast
 //! relative velocity w cos Ωt is added to the slow relative velocity v. The mean of the friction
-//! coefficient over one period 2π/Ω then acts on the slow motion. All formulas are dimensionless,
-//! and limits for Ω → ∞. k1 and k3 are coefficients of the law [`Polynomial`].
+//! coefficient over one period 2π/Ω then acts on the slow motion. All formulas are dimensionless
+//! and hold in the limit Ω → ∞. k1 and k3 are coefficients of the law [`Polynomial`].
 //!
 //! ```text
 //! Coulomb:   μ_k (2/π) arcsin(v/w)  for |v| < w        no jump at v = 0, and no stick
@@ -45,8 +45,9 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
 }
 
 /// Belt velocity v above which steady sliding is stable under a fast vibration, for the cubic law:
-/// v² = v_m²(1 − 2β/η) − w²/2, with the velocity amplitude w ≥ 0 of the vibration, the velocity v_m
-/// of least friction, and η of [`PureSlip`]. Dimensionless, the limit for Ω → ∞.
+/// v² = v_m²(1 − 2β/η) − w²/2, with the velocity amplitude w ≥ 0 of the vibration, the damping
+/// ratio β, the sliding speed v_m of least friction, and [`η`](PureSlip::eta). Dimensionless, the
+/// limit for Ω → ∞.
 ///
 /// `None` if v ≤ w, because the formula does not hold there; if steady sliding is stable at every
 /// belt velocity above w; or if w is negative or NaN. The system's own v_b is ignored. For w = 0

@@ -43,8 +43,8 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
     4.0 * limit * (amplitude - limit / tangential_stiffness).max(0.0)
 }
 
-/// The first harmonic of the force for x = A cos ωt, as the triple (k_eq, c_eq, D): the stiffness
-/// of a spring and the constant of a damper that have this first harmonic, and the energy D
+/// The first harmonic of the force for x = A cos ωt, as the triple (k_eq, c_eq, D). A spring of
+/// stiffness k_eq and a damper of constant c_eq in parallel have this force. D is the energy
 /// dissipated in one cycle ([`loop_area`]). Any consistent units may be used.
 ///
 /// ```text

@@ -11,7 +11,8 @@ use crate::error::Error;
 use crate::friction::memory::LuGre;
 use crate::friction::{AlongSlope, FrictionLaw};
 
-/// Steady sliding at a relative velocity r.
+/// Steady sliding at a relative velocity r. In the second line z' is the time derivative of z, and
+/// g' the slope of the friction law g at |r|.
 ///
 /// ```text
 /// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r
@@ -117,9 +118,9 @@ pub fn contact_vibration<L: FrictionLaw>(
 /// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over 0 ≤ speed ≤ max_speed
 /// ```
 ///
-/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega,
-/// σ2 ≥ σ1(μ_s − μ_k)/μ_k; if the speed is not limited, the condition is also necessary: with a
-/// smaller σ2, bristles can supply energy to a mass. The law's own σ2 is ignored.
+/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s
+/// − μ_k)/μ_k. If the speed is not limited, the condition is also necessary: with a smaller σ2,
+/// bristles can supply energy to a mass. The law's own σ2 is ignored.
 ///
 /// # Errors
 ///

@@ -21,12 +21,13 @@
 //! *Difference between the formulas and the exact cycle, for γ² = ε and β = 0.05ε. The slope of a
 //! line is the order of the error. (a) Cycles without stick. (b) Stick-slip.*
 //!
-//! No function of this module integrates the equations of motion, so the formulas are an
-//! independent check of the computed motions. O(εⁿ) is the order of an error as friction and
-//! damping become weak compared with the spring: (γ², β) → (εγ², εβ), ε → 0. "Eq. n", if no other
-//! source is named, is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches
-//! for Friction Induced Vibration and Stability Analysis*. "Eq. n, corrected" is an equation that
-//! is printed wrongly in the paper; the table below lists the corrections.
+//! Symbols are those of the [crate page](crate#the-mass-on-its-belt). No function of this module
+//! integrates the equations of motion, so the formulas are an independent check of the computed
+//! motions. O(εⁿ) is the order of an error as friction and damping become weak compared with the
+//! spring: (γ², β) → (εγ², εβ), ε → 0. "Eq. n", if no other source is named, is an equation of A.
+//! Farshidianfar and N. Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+//! Stability Analysis*. "Eq. n, corrected" is an equation that is printed wrongly in the paper; the
+//! table below lists the corrections.
 //!
 //! | Question | Answer |
 //! |---|---|

@@ -68,9 +68,9 @@ impl ModeCoupling {
     ///            a3 = c1 + c2,  a2 = k11 + k22 + c1c2,  a1 = c1k22 + c2k11
     /// ```
     ///
-    /// Both formulas are for m1 = m2 = 1: divide each row of K and C by its mass first. Damping of
-    /// one coordinate alone can lower μ_c, and as c1, c2 → 0, μ_c in general does not tend to its
-    /// undamped value.
+    /// Both formulas are for m1 = m2 = 1; for other masses divide each row of K and C by its mass
+    /// first. Damping of one coordinate alone can lower μ_c. As c1, c2 → 0, μ_c in general does not
+    /// tend to its undamped value.
     ///
     /// `None` unless m1, m2, k11 and k22 are positive, c1 and c2 are not negative, k21k3 > 0
     /// (otherwise the modes do not merge as μ grows), and μ_c ≥ 0.

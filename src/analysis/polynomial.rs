@@ -1,5 +1,7 @@
 //! Closed forms for the polynomial law, Eqs. 3-5 of Farshidianfar and Noei Aghaee: the damping and
-//! the belt velocity above which there is no vibration.
+//! the belt velocity above which there is no vibration. μ_m is the least coefficient of the law,
+//! and v_m its sliding speed. The other symbols are those of the [crate
+//! page](crate#the-mass-on-its-belt).
 
 use super::PureSlip;
 use crate::belt::MassOnBelt;

@@ -18,9 +18,10 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// μ_m is the least coefficient, at the sliding speed v_m. These equations are exact. All
-/// quantities are dimensionless. The formulas hold for both signs of v_b: the mirror image (u, v,
-/// v_b) → (−u, −v, −v_b) changes the sign of h2 only. The limits v_b0 and v_b1 are magnitudes.
+/// μ_m is the least coefficient, at the sliding speed v_m. The equation of motion and its
+/// coefficients are exact. All quantities are dimensionless. The formulas hold for both signs of
+/// v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the sign of h2 only. The limits v_b0
+/// and v_b1 are magnitudes.
 ///
 /// | v_b | motion |
 /// |---|---|

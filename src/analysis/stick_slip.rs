@@ -172,7 +172,7 @@ impl StickSlip {
     /// * the law is not a cubic polynomial over all sliding speeds of the cycle. A cubic law has
     ///   zero derivatives beyond the third at |v_b|, μ_s = μ̂(0), and no
     ///   [breakpoint](FrictionLaw::breakpoints) below the largest of these speeds;
-    /// * W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
+    /// * W1 ≤ 0, with W1 of [`StickSlipCycle`]; for the polynomial law this is |v_b| ≥ v_b0;
     /// * the mass would overtake the belt (see [`second_order`](Self::second_order));
     /// * the duration of slip would not be positive (W1 ≥ 2π²).
     pub fn first_order(&self) -> Option<StickSlipCycle> {
@@ -182,9 +182,9 @@ impl StickSlip {
 
     /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
-    /// `None` if [`first_order`](Self::first_order) returns `None`, if W1 + W2 ≤ 0, or if
-    /// |v_b|·stick > 2γ²μ_s: the mass would then reach the belt velocity outside the stick band and
-    /// overtake the belt.
+    /// `None` in the cases of [`first_order`](Self::first_order), if W ≤ 0 with W of
+    /// [`StickSlipCycle`], or if |v_b|·stick > 2γ²μ_s. In the last case the mass would reach the
+    /// belt velocity outside the stick band and overtake the belt.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)
@@ -359,12 +359,12 @@ impl Cubic {
 /// condition fails as ε → 0 at fixed μ_s. To satisfy it, raise μ_s and μ_m by the same constant:
 /// the stick band becomes wider, and u − ū does not change.
 ///
-/// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with
-/// d = 1 − |v_b|/v_b0. The exact duration of stick goes to zero at
+/// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1 −
+/// |v_b|/v_b0. The exact duration of stick goes to zero at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0. The second-order
-/// duration is therefore too short. Its relative error is (3461/153600) q²/d as long as it is
-/// small, with q of `grazing_velocity`. Keep d above q², or compute the exact cycle. The errors of
-/// the extremes and of the period do not grow.
+/// duration is therefore too short. Its relative error is (3461/153600) q²/d, with q of
+/// `grazing_velocity`, as long as this number is small. Keep d above q², or compute the exact
+/// cycle. The errors of the extremes and of the period do not grow.
 ///
 /// Source: expansion of the slip arc that begins at the release point, which replaces Eqs. 16-18.
 ///

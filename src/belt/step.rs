@@ -349,8 +349,8 @@ impl SystemState for State {
 }
 
 impl Trajectory {
-    /// The mode of the mass at a time from the start to the end of the motion; at the time of an
-    /// event, the mode after it. `None` for any other time and for NaN.
+    /// The mode of the mass at a time from the start to the end of the motion. At the time of an
+    /// event it is the mode after the event. `None` for any other time and for NaN.
     pub fn mode_at(&self, time: f64) -> Option<Mode> {
         Some(self.step_at(time)?.mode)
     }

@@ -90,7 +90,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next cycle inside, or the equilibrium if there is none |
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
-/// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
+/// | within a relative distance of 10⁻¹² from an unstable cycle (10⁻⁶ if rounding hides the growth there) | | [`Separatrix`](Attractor::Separatrix) |
 /// | any, if rounding hides the growth over one period, and averaging does not show it either | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors

@@ -193,8 +193,8 @@ impl LimitCycle {
         (max - v_b).max(v_b - min)
     }
 
-    /// Work and losses over one period, in dimensionless energy units. At velocities above 10¹⁵³ (a
-    /// load in unsuitable units) a value can overflow to ±∞.
+    /// Work and losses over one period, in dimensionless energy units. At velocities above 10¹⁵³,
+    /// caused by an unsuitable unit of length, a value can overflow to ±∞.
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.

@@ -29,7 +29,8 @@ pub struct CycleSet {
 }
 
 impl CycleSet {
-    /// The isolated cycles, by ascending amplitude. Each lies inside the next.
+    /// The isolated cycles, by ascending amplitude. In the plane (u, v) each cycle lies inside the
+    /// next.
     pub fn iter(&self) -> std::slice::Iter<'_, LimitCycle> {
         self.cycles.iter()
     }

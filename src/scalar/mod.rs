@@ -37,7 +37,7 @@ mod sealed {
 ///
 /// Write a law once with the operations of this trait. The crate then computes from it the law's
 /// values, its derivatives and its power series along a motion. `f64` and the crate's own Taylor
-/// coefficients implement the trait. It is sealed: no other type can implement it.
+/// coefficients implement the trait. The trait is sealed: no other type can implement it.
 ///
 /// The other operand of `+`, `-`, `*` and `/` is a number of the same type, or an `f64` on the
 /// **right**, as in `speed * 3.0 + 1.0`. Rust does not allow an `f64` on the left of a generic
@@ -117,8 +117,8 @@ pub trait Scalar:
     /// The power xⁿ for an integer n, by repeated products. Its power series is also exact at x
     /// = 0.
     fn powi(self, exponent: i32) -> Self;
-    /// The power xᵖ. For an integral p it is [`powi`](Self::powi); any other power is analytic for
-    /// x > 0.
+    /// The power xᵖ. For an integer p the result is that of [`powi`](Self::powi). Any other power
+    /// is analytic for x > 0.
     fn powf(self, exponent: f64) -> Self;
     /// The hyperbolic tangent tanh x.
     fn tanh(self) -> Self;
@@ -128,7 +128,8 @@ pub trait Scalar:
     fn sin(self) -> Self;
     /// The cosine cos x.
     fn cos(self) -> Self;
-    /// The absolute value |x|, by the sign of the base value. If the base value is 0, it is x.
+    /// The absolute value |x|, by the sign of the base value. If the base value is 0, the result is
+    /// x.
     ///
     /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be returned as a
     /// [breakpoint](crate::FrictionLaw::breakpoints).
