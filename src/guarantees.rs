@@ -57,10 +57,10 @@
 //!    and state reached. It does not panic or hang.
 //!    Tests: `belt::integrator::promise_8_what_cannot_go_on_is_an_error_with_time_and_state`,
 //!    `belt::hostile::every_run_ends_with_a_result_or_a_typed_error`.
-//! 9. **Stiff phases.** Where friction or the damper rises so steeply with the sliding speed that
-//!    the motion creeps, a step is the power series of the slow manifold. The number of steps then
-//!    does not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8
-//!    tolerances where they meet. Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
+//! 9. **Stiff phases.** If friction or the damper rises so steeply with the sliding speed that the
+//!    motion creeps, a step is the power series of the slow manifold. The number of steps then does
+//!    not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8 tolerances
+//!    where they meet. Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
 //!    `belt::stiff::stiff_motions_are_those_of_an_implicit_method`.
 //!
 //! **Accuracy.** Another method computed 22 reference motions with 25 digits; events and states
@@ -136,7 +136,7 @@
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
 //! * **Elastic contacts** transmit exactly their limit force while they slip, for any tangential
-//!   stiffness from 1e-2 to 1e12 times the stiffness of the mass's spring:
+//!   stiffness (tried from 1e-2 to 1e12 times the stiffness of the mass's spring):
 //!   `structures::elastic::any_stiffness_has_every_event`. Energies balance. Two motions never come
 //!   apart, measured by the energy of their difference, if loads depend on time alone, coefficients
 //!   are constant, and K and C are symmetric and positive semidefinite:
@@ -162,7 +162,7 @@
 //! | search | complete? | test |
 //! |---|---|---|
 //! | [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) | yes: if a cycle sticks, it is found | `cycles::maps::no_cycle_is_lost_or_invented` |
-//! | [`limit_cycle::find`](crate::limit_cycle::find) | yes, except very small or very large cycles, and pairs of cycles very close together, within [stated limits](crate::limit_cycle#what-is-guaranteed); ranges that double precision cannot resolve are [reported](crate::CycleSet::unresolved) | `cycles::maps::no_cycle_is_lost_or_invented`, `cycles::cycles::every_number_of_the_reference`, `cycles::cases::canard_like_growth_is_resolved_or_told` |
+//! | [`limit_cycle::find`](crate::limit_cycle::find) | yes, except very small or very large cycles without stick, and pairs of cycles very close together; its page states the [limits](crate::limit_cycle#what-is-guaranteed); ranges that double precision cannot resolve are [reported](crate::CycleSet::unresolved) | `cycles::maps::no_cycle_is_lost_or_invented`, `cycles::cycles::every_number_of_the_reference`, `cycles::cases::canard_like_growth_is_resolved_or_told` |
 //! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | as complete as `find`, since they use its cycles | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
 //! | functions of [`bifurcation`](crate::bifurcation) | depends on the function: its page states how densely it searches | `cycles::bifurcations::every_number_of_the_reference`, `cycles::brute_force::contacts_change_where_brute_force_says` |
 //! | [`orbit::shoot`](crate::orbit::shoot), [`settle`](crate::orbit::settle) | no: one motion near the guess, exact to rounding, or a typed error | `orbit::references::orbits_have_the_reference_numbers`, `orbit::bad_input::what_is_not_found_says_how_far_it_is` |

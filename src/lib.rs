@@ -52,7 +52,7 @@
 //! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; its force: [`Structure::carried`] |
-//! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`], [`Contact::along`] its mode shapes |
+//! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`]; contacts along its mode shapes: [`Contact::along`] |
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
 //! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its Floquet multipliers | [`orbit::shoot`], [`orbit::settle`] |
@@ -69,8 +69,8 @@
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
-//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] where surfaces part |
-//! | a law that depends on the direction | a [`ContactLaw`] gets the direction; a [`FrictionLaw`] is odd in the relative velocity |
+//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
+//! | a law that depends on the direction | a [`ContactLaw`] receives the direction; a [`FrictionLaw`] is odd in the relative velocity |
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
 //! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
@@ -130,10 +130,10 @@
 //! * **Repeatability.** The same call gives the same bits on the same kind of processor.
 //! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
 //!   reached. It does not panic or hang.
-//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle. [`limit_cycle::find`] misses
-//!   only very small or very large cycles, and pairs of cycles very close together, within [stated
-//!   limits](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how densely it
-//!   searches.
+//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle that sticks.
+//!   [`limit_cycle::find`] misses only very small or very large cycles without stick, and pairs of
+//!   cycles very close together; its page states the [limits](limit_cycle#what-is-guaranteed). Each
+//!   function of [`bifurcation`] says how densely it searches.
 //!
 //! The page [`guarantees`] states each promise exactly, with the test that checks it, and the
 //! [conventions at zero relative velocity](guarantees#conventions-at-zero-relative-velocity).

@@ -9,7 +9,7 @@
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase does not drift: ψ = ψ(0) + τ. The source paper says that such integrals "are not
+//! and the phase does not drift: ψ = ψ(0) + τ. Their paper says that such integrals "are not
 //! analytically solvable". This module computes them to round-off. Integration by parts avoids
 //! cancellation at small A. By mirror symmetry the result depends on the speed w = |v_b| of the
 //! belt, but not on its direction:
@@ -22,8 +22,8 @@
 //! with cos s = w/A and the slope μ̂' = dμ̂/ds of the law. The terms with sin s come from the jump
 //! of the friction force when the mass overtakes the belt; they are absent for A ≤ w. If A ≤ w and
 //! all sliding speeds lie on one piece of the law, the integrand is smooth and periodic, and the
-//! trapezoidal rule is used. Otherwise Gauss-Legendre quadrature is used on panels that end at
-//! ψ = s and at the breakpoints.
+//! trapezoidal rule is used. Otherwise Gauss-Legendre quadrature is used on panels that end at ψ =
+//! s and where the sliding speed passes a breakpoint.
 //!
 //! The amplitude A and the period 2π have errors O(ε²), where ε is the size of friction and damping
 //! compared with the spring ([`analysis`](super)). Averaging describes only motions that never
@@ -209,9 +209,9 @@ fn slope_integrals(
 /// A cycle of the averaged equation: an amplitude A > 0 at which A' = 0.
 ///
 /// The motion is z = A sin ψ about the equilibrium, with period 2π. All quantities are
-/// dimensionless. Errors are O(ε²) in the amplitude (half the range of u, or the largest velocity)
-/// and in the period, and O(ε³) in the multiplier. The error of the mean displacement is O(ε),
-/// because the exact motion is not centred on the equilibrium.
+/// dimensionless. For ε see [`analysis`](super). Errors are O(ε²) in the amplitude (half the range
+/// of u, or the largest velocity) and in the period, and O(ε³) in the multiplier. The error of the
+/// mean displacement is O(ε), because the exact motion is not centred on the equilibrium.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: 4/3 replaces the printed 3/4),
 /// extended to any law and to cycles in which the mass overtakes the belt.
@@ -277,8 +277,8 @@ impl AveragedCycle {
 /// interpolated by Chebyshev polynomials to round-off. The intervals are divided until A'/A has no
 /// root or is monotone on each. No cycle is missed, except
 ///
-/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than
-///   10⁻¹⁴(β + γ²·max abs(dμ̂/ds)), a bound of its rounding error. Near folds of the exponential
+/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than 10⁻¹⁴(β +
+///   γ²·max abs(dμ̂/ds)), which bounds the rounding error of A'/A. Near folds of the exponential
 ///   law a pair may be missed if its amplitudes differ by less than about 10⁻⁶|v_b|;
 /// * a cycle caused by a feature of the law's slope that is narrower than about 3·10⁻⁴|v_b| in
 ///   sliding speed (low speeds are sampled more densely).

@@ -26,8 +26,8 @@
 //!
 //! W0 and W−1 are the branches of Lambert's function. With damping, the slip phase is a part of a
 //! damped vibration. Each slip arc belongs to one duration of stick and to one belt velocity, so
-//! the cycles form one curve in the plane of these two quantities, which is known in closed form.
-//! Along this curve the belt velocity has one maximum, the fold, at which a stable and an unstable
+//! the cycles form one curve in the plane of these two quantities. The curve is known in closed
+//! form. Along it the belt velocity has one maximum, the fold, at which a stable and an unstable
 //! cycle meet. The unstable cycle exists down to the belt velocity N(μ_s(θ) − μ_k)Λω/k. At this
 //! velocity the mass reaches the belt velocity tangentially at the end of slip, and ωθ = 1/Λ, with
 //! Λ from [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
@@ -152,9 +152,9 @@ impl DwellOscillator {
     /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold). `None` in the
     /// cases listed at [`stick_slip`](Self::stick_slip), or if rounding cannot separate the cycle
     /// from the fold. If static friction has almost reached its limit at the release, the range of
-    /// belt velocities from grazing to fold can be narrower than rounding errors. With damping
-    /// ratio 0.77 and ωθ_c = 1, for example, this range is narrower than 10⁻⁴⁰ of the belt
-    /// velocity.
+    /// belt velocities from grazing to fold can be narrower than rounding errors. With the
+    /// exponential form, damping ratio 0.77 and ωθ_c = 1, for example, this range is narrower than
+    /// 10⁻⁹⁰ of the belt velocity.
     pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let fold = self.fold_arc(&of)?;

@@ -12,9 +12,9 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// x'' + 2ζx' + x = p cos(Ωt + θ) − F sgn x'        m = k = 1
 /// ```
 ///
-/// The unit of time is 1/ω0 with ω0 = √(k/m), so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s
-/// and p are forces in a common unit, θ is a phase; the unit of displacement is that of force
-/// divided by k.
+/// For a mass m, a stiffness k and a damping constant c the unit of time is 1/ω0 with ω0 = √(k/m),
+/// so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s and p are forces in a common unit, and θ is a
+/// phase. The unit of displacement is that of force divided by k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;

@@ -8,8 +8,8 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// Vibration that never sticks, for the polynomial law: coefficients, averaging, and expansions
 /// beyond averaging.
 ///
-/// The displacement z = u − ū obeys z'' + z + h1 z' + h2 z'² + h3 z'³ = 0 while v_r keeps its sign,
-/// with
+/// The displacement z = u − ū from the equilibrium ū obeys z'' + z + h1 z' + h2 z'² + h3 z'³ = 0
+/// while v_r keeps its sign, with
 ///
 /// ```text
 /// η  = (3/2) γ²(μ_s − μ_m)/v_m         (Eq. 11)
@@ -18,10 +18,11 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// μ_m is the least coefficient, at the sliding speed v_m. The equation of motion and its
-/// coefficients are exact. All quantities are dimensionless. The formulas hold for both signs of
-/// v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the sign of h2 only. The limits v_b0
-/// and v_b1 are magnitudes.
+/// μ_m is the least coefficient, at the sliding speed v_m. The other symbols are those of the
+/// [crate page](crate#the-mass-on-its-belt); for ε in the orders of errors see [`analysis`](super).
+/// The equation of motion and its coefficients are exact. All quantities are dimensionless. The
+/// formulas hold for both signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the
+/// sign of h2 only. The limits v_b0 and v_b1 are magnitudes.
 ///
 /// | v_b | motion |
 /// |---|---|
@@ -43,7 +44,7 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// assert!((formulas.h1() + system.equilibrium().unwrap().jacobian[(1, 1)]).abs() < 1e-15);
 /// assert!((formulas.h2() + 0.756).abs() < 1e-15);
 /// assert!((formulas.h3() - 0.6).abs() < 1e-15);
-/// // The range v_b0 < v_b < v_b1 of pure slip; in the exact range, v_b > 0.3957902888.
+/// // The range v_b0 < v_b < v_b1 of pure slip. Its exact lower end is 0.3957902888.
 /// let onset = formulas.onset_velocity().unwrap();
 /// assert!((onset - 0.4409585518).abs() < 1e-10);
 /// assert!((onset - bifurcation::hopf_velocities(&system, 0.0..1.0)?[0]).abs() < 1e-15);
@@ -287,10 +288,10 @@ impl PureSlip {
     }
 }
 
-/// A pure-slip cycle of the polynomial law, as an expansion in ε. Dimensionless.
-/// [`PureSlip::first_order`] to [`PureSlip::fourth_order`] compute it.
+/// A pure-slip cycle of the polynomial law, as an expansion in ε ([`analysis`](super)).
+/// Dimensionless. [`PureSlip::first_order`] to [`PureSlip::fourth_order`] compute it.
 ///
-/// With a = A0 h2 and b = A0² h3:
+/// With A0, h1, h2 and h3 of [`PureSlip`], a = A0 h2 and b = A0² h3:
 ///
 /// ```text
 /// u_max − ū, u_min − ū = ±A0[1 + (153b² + 896a²)/3072] − A0 a[2/3 + (12160a² − 9807b²)/57600]

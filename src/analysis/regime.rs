@@ -31,9 +31,9 @@ impl std::fmt::Display for Regime {
 
 /// Returns the motion to which a system with the polynomial law settles, by closed forms.
 ///
-/// The limit v_b1 is exact. The limit v_b0 has a relative error O(ε²);
-/// [`PureSlip::grazing_velocity`] is more accurate. For other laws there is no single answer,
-/// because several attractors can coexist.
+/// The limit v_b1 is exact. The limit v_b0 has a relative error O(ε²) (for ε see
+/// [`analysis`](super)); [`PureSlip::grazing_velocity`] is more accurate. For other laws there is
+/// no single answer, because several attractors can coexist.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 instead of
 /// the printed √(4/3) v_b1, and stick-slip below v_b0 only.

@@ -8,8 +8,8 @@ use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
 /// The stick-slip formulas of Farshidianfar and Noei Aghaee, for any law: stick, then a slip arc of
-/// an undamped oscillation about ū. [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip)
-/// computes the exact motion.
+/// an undamped oscillation about the equilibrium ū.
+/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) computes the exact motion.
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
@@ -17,13 +17,13 @@ use crate::scalar::LONGEST;
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
 ///
-/// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at
-/// ū − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε,
-/// and the distance of the end from ū is larger by O(ε^{1/2}). The formulas are therefore
-/// inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T (as for the simpler T = 2π) and
-/// O(ε^{1/2}) in the durations. For a cubic law use [`first_order`](Self::first_order) and
-/// [`second_order`](Self::second_order). Range of validity: κ > 0, and for the polynomial law
-/// 0 < |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
+/// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at ū
+/// − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε
+/// ([`analysis`](super)), and the distance of the end from ū is larger by O(ε^{1/2}). The formulas
+/// are therefore inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T (as for the simpler T = 2π)
+/// and O(ε^{1/2}) in the durations. For a cubic law use [`first_order`](Self::first_order) and
+/// [`second_order`](Self::second_order). Range of validity: κ > 0, and for the polynomial law 0 <
+/// |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
@@ -115,7 +115,7 @@ impl StickSlip {
     /// Distance κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b| of the release point from ū, in units
     /// of |v_b|. Dimensionless, exact.
     ///
-    /// Source: before Eq. 18.
+    /// Source: Farshidianfar and Noei Aghaee, before Eq. 18.
     pub fn kappa(&self) -> f64 {
         self.kappa
     }
@@ -123,7 +123,7 @@ impl StickSlip {
     /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Its error is O(ε) as an approximation of
     /// u_max − ū, of ū − u_min or of half the range of u.
     ///
-    /// Source: Eq. 18.
+    /// Source: Farshidianfar and Noei Aghaee, Eq. 18.
     pub fn amplitude(&self) -> f64 {
         self.belt_velocity.abs() * self.kappa.hypot(1.0)
     }
@@ -131,35 +131,35 @@ impl StickSlip {
     /// Largest speed of the mass against the belt's direction, also A1. (In the belt's direction
     /// the largest speed is exactly |v_b|.) Dimensionless, error O(ε).
     ///
-    /// Source: Eq. 17.
+    /// Source: Farshidianfar and Noei Aghaee, Eq. 17.
     pub fn velocity_amplitude(&self) -> f64 {
         self.amplitude()
     }
 
     /// Duration of stick, 2κ, dimensionless. Error O(ε^{1/2}).
     ///
-    /// Source: Eqs. 16-18.
+    /// Source: Farshidianfar and Noei Aghaee, Eqs. 16-18.
     pub fn stick_duration(&self) -> f64 {
         2.0 * self.kappa
     }
 
     /// Duration of slip, 2π − 2 atan κ, dimensionless. Error O(ε^{1/2}).
     ///
-    /// Source: Eqs. 16-18.
+    /// Source: Farshidianfar and Noei Aghaee, Eqs. 16-18.
     pub fn slip_duration(&self) -> f64 {
         TAU - 2.0 * self.kappa.atan()
     }
 
     /// Period T = 2π + 2(κ − atan κ), dimensionless. Error O(ε^{3/2}).
     ///
-    /// Source: after Eq. 18.
+    /// Source: Farshidianfar and Noei Aghaee, after Eq. 18.
     pub fn period(&self) -> f64 {
         self.stick_duration() + self.slip_duration()
     }
 
     /// Angular frequency ω_ss = 2π/T, dimensionless (in units of ω0). Error O(ε^{3/2}).
     ///
-    /// Source: after Eq. 18.
+    /// Source: Farshidianfar and Noei Aghaee, after Eq. 18.
     pub fn frequency(&self) -> f64 {
         TAU / self.period()
     }
@@ -320,7 +320,7 @@ impl Cubic {
     }
 }
 
-/// A stick-slip cycle of a cubic law, as an expansion in ε. Dimensionless.
+/// A stick-slip cycle of a cubic law, as an expansion in ε ([`analysis`](super)). Dimensionless.
 /// [`StickSlip::first_order`] and [`StickSlip::second_order`] compute it.
 ///
 /// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For

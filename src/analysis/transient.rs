@@ -10,8 +10,9 @@ use crate::state::State;
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// The first equation is a Bernoulli equation: it is linear in 1/A². All quantities are
-/// dimensionless. Errors are O(ε) for times up to O(1/ε), as long as A(τ) ≤ |v_b|.
+/// h1, h3 and ū are those of [`PureSlip`](super::PureSlip). The first equation is a Bernoulli
+/// equation: it is linear in 1/A². All quantities are dimensionless. Errors are O(ε) for times up
+/// to O(1/ε), as long as A(τ) ≤ |v_b|.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides must be means over a
 /// cycle, and A' = 0 on limit cycles only. [`PureSlip::transient`](super::PureSlip::transient)

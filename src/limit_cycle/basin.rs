@@ -36,10 +36,10 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Not decided: the motion changes over one period by less than the rounding error, and
-    /// averaging does not show whether it grows or shrinks. The motion starts in a range that is
-    /// [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes by less than
-    /// 10⁻¹⁴ per period.
+    /// Not decided, because rounding errors hide whether the motion grows or shrinks over one
+    /// period. Either the motion starts in a range that is [unresolved](CycleSet::unresolved), or
+    /// it crosses the belt velocity in each period, and its relative change over one period is
+    /// within rounding errors (about 10⁻¹⁴).
     Unresolved,
 }
 
@@ -91,7 +91,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
 /// | within a relative distance of 10⁻¹² from an unstable cycle (10⁻⁶ if rounding hides the growth there) | | [`Separatrix`](Attractor::Separatrix) |
-/// | any, if rounding hides the growth over one period, and averaging does not show it either | | [`Unresolved`](Attractor::Unresolved) |
+/// | a velocity maximum V in an [unresolved](CycleSet::unresolved) range, or crossings of the belt velocity with a growth over one period that rounding hides | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///
