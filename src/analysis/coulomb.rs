@@ -277,7 +277,8 @@ impl FreeVibration {
     }
 
     /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if the mass never
-    /// comes to rest (then μ_k = 0), or only after more than 2⁵³ half cycles.
+    /// comes to rest, which requires μ_k = 0, or if it takes more than 2⁵³ half cycles to come to
+    /// rest.
     pub fn rest_position(&self) -> Option<f64> {
         self.swings().map(|n| self.turn(n))
     }

@@ -45,8 +45,8 @@ impl HopfPoint {
 /// are ill-conditioned). The system's own v_b is ignored.
 ///
 /// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
-/// if β = 0: steady sliding is then unstable at every belt velocity, or neutral at every belt
-/// velocity if friction is constant (μ_s = μ_k).
+/// if β = 0: steady sliding is then unstable at every belt velocity or, if friction is constant
+/// (μ_s = μ_k), neutrally stable at every belt velocity.
 ///
 /// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
@@ -93,8 +93,8 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 /// speed v_s/√2. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. There is no vibration at exactly this damping ratio either, unless μ_s = μ_k: the ratio
-/// is then 0, friction is constant, and every small vibration lasts.
+/// energy. There is no vibration at exactly this damping ratio either. The exception is μ_s = μ_k:
+/// the ratio is 0, friction is constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///

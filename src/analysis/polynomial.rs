@@ -12,8 +12,8 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. There is no vibration at exactly η/2 either, unless μ_s = μ_m: then η = 0, friction is
-/// constant, and every small vibration lasts.
+/// energy. There is no vibration at exactly η/2 either. The exception is μ_s = μ_m: η is 0,
+/// friction is constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
 ///
@@ -34,8 +34,8 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
 
 /// Belt velocity above which no vibration lasts, dimensionless: v_b1 = v_m√(1 − 2β/η) if 2β < η,
 /// and 0 if 2β ≥ η, with η of [`silencing_damping_everywhere`]. Without damping and with constant
-/// friction (μ_s = μ_m) it is ∞, because small vibrations then last at every belt velocity. `None`
-/// if a coefficient overflows. The system's own v_b is ignored.
+/// friction (μ_s = μ_m) the result is ∞, because small vibrations then last at every belt velocity.
+/// `None` if a coefficient overflows. The system's own v_b is ignored.
 ///
 /// v_b1 is exactly the limit of stable steady sliding. No other motion lasts above v_b1 if friction
 /// is weak compared with the spring.

@@ -71,9 +71,9 @@ struct Cubic {
 }
 
 impl StickSlip {
-    /// Computes the formulas for a system. `None` if v_b = 0, if κ is not finite, or if κ ≤ 0: the
-    /// force of the damper at the belt velocity is then at least the difference between static and
-    /// kinetic friction.
+    /// Computes the formulas for a system. `None` if v_b = 0, if κ is not finite, or if κ ≤ 0. In
+    /// the last case the force of the damper at the belt velocity is at least the difference
+    /// between static and kinetic friction.
     ///
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
     /// it.

@@ -13,8 +13,8 @@ use crate::state::Units;
 /// ```
 ///
 /// All quantities are dimensionless. If |v_b| is a breakpoint of the law, slope and stability are
-/// those of the piece above it, and apply to motions with higher sliding speeds. The stability of
-/// motions that pass the breakpoint depends on both slopes.
+/// those of the piece above |v_b|, and apply to motions with sliding speeds above |v_b|. The
+/// stability of motions that pass the breakpoint depends on both slopes.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*.
@@ -121,7 +121,8 @@ pub enum Stability {
     StableFocus,
     /// h1 ≥ 2: perturbations decay without oscillation. At h1 = 2 the node is degenerate.
     StableNode,
-    /// h1 = 0 exactly: the linear system oscillates undamped, and the nonlinear terms decide.
+    /// h1 = 0 exactly: the linear system oscillates undamped, and nonlinear terms decide about
+    /// stability.
     Center,
     /// −2 < h1 < 0: growing oscillations.
     UnstableFocus,

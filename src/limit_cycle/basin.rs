@@ -117,8 +117,8 @@ pub fn attractor<L: FrictionLaw>(
     basins(system)?.attractor(start)
 }
 
-/// The basins of attraction of a system. Its cycles are found here, once; [`Basins::attractor`]
-/// then returns the attractor of any start.
+/// The basins of attraction of a system. This function finds the cycles once. [`Basins::attractor`]
+/// uses them to return the attractor of any start.
 ///
 /// # Errors
 ///
@@ -275,8 +275,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] unless `start` is finite; otherwise the errors of
-    /// [`find`](super::find).
+    /// [`Error::InvalidState`] unless `start` is finite, and the errors of [`find`](super::find).
     pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {
         let start = start.into();
         check(start)?;

@@ -11,8 +11,8 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 /// A family of periodic motions that fills a disc around the equilibrium. The family exists if
 /// there is no damping and friction does not depend on the speed (Coulomb, or μ_s = μ_m). Friction
 /// then neither feeds nor damps a motion in slip. On a belt at rest the family exists only without
-/// kinetic friction. If there is static friction there, motions that turn back inside the stick
-/// band do not belong to the family, because the mass sticks.
+/// kinetic friction. If this belt has static friction, motions that turn back inside the stick band
+/// do not belong to the family, because the mass sticks.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};

@@ -14,8 +14,8 @@ use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 ///
 /// Its [`kind`](LimitCycle::kind) is [`CycleKind::StickSlip`] or, if the mass overtakes the belt
 /// before it sticks, [`CycleKind::Overshoot`]. The search computes one slip arc for the first kind
-/// and two for the second. [`analysis::StickSlip`](crate::analysis::StickSlip) has closed formulas
-/// for such motions.
+/// and two for the second. [`analysis::StickSlip`](crate::analysis::StickSlip) has approximate
+/// closed formulas for the first kind.
 ///
 /// # Errors
 ///

@@ -36,7 +36,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// ```
 ///
 /// Source: T. K. Caughey, *Sinusoidal excitation of a system with bilinear hysteresis*, J. Appl.
-/// Mech. 27 (1960) 640-643, for the first harmonic; the arcs are joined exactly here.
+/// Mech. 27 (1960) 640-643, for the first harmonic. Here the arcs are joined exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SymmetricResponse {
