@@ -101,8 +101,8 @@
 //! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and returns numbers in kilograms, metres
 //! and newtons. [`Scaling`] converts between SI units and dimensionless numbers.
 //!
-//! A [`FrictionLaw`] consists of a static coefficient μ_s and a kinetic coefficient μ̂(s). The limit
-//! μ̂(0) for s → 0 must not exceed μ_s. The law is odd in the relative velocity: μ(v_r) =
+//! A [`FrictionLaw`] consists of a static coefficient μ_s and a kinetic coefficient μ̂(s). The
+//! limit μ̂(0) for s → 0 must not exceed μ_s. The law is odd in the relative velocity: μ(v_r) =
 //! sgn(v_r)·μ̂(|v_r|).
 //!
 //! "Amplitude" has several meanings:
