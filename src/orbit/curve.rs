@@ -177,10 +177,15 @@ impl Curve<'_> {
     fn start(&self, form: &GeneralForm<'_>, y: &DVector<f64>, modes: &[Mode]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
         form.put_in_modes(&mut start, 0.0, |c| modes.get(c).copied());
+        self.anchor(&mut start);
+        start
+    }
+
+    /// Sets the velocity of the phase condition.
+    fn anchor(&self, start: &mut State) {
         if let Some(turning) = &self.turning {
             turning.impose(&mut start.velocities);
         }
-        start
     }
 
     fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {
@@ -268,11 +273,12 @@ impl Curve<'_> {
             let mut beside = y.clone();
             beside[last] += change;
             let found = self.with(&beside, |form, period| {
-                let start = self.start(form, &beside, modes);
-                Ok((map::passage(form, &start, period)?, start))
+                map::passage(form, &self.start(form, &beside, modes), period)
             });
-            let ((end, passed), start) = found.ok()?;
-            let miss = trial.map.residual_near(&start, &end);
+            let (end, passed) = found.ok()?;
+            // From the start of the trial: what the modes impose on a start changes with the
+            // parameter.
+            let miss = trial.map.residual_near(&trial.map.start, &end);
             Some((beside[last] - y[last], miss, passed == events))
         };
         let mut slope = DVector::zeros(self.order);
@@ -423,8 +429,9 @@ impl Curve<'_> {
     fn residual(&self, y: &DVector<f64>, near: &Solved) -> Result<DVector<f64>, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(y, |form, period| {
-            let start = self.start(form, y, &near.modes);
-            let (end, _) = map::passage(form, &start, period)?;
+            let (end, _) = map::passage(form, &self.start(form, y, &near.modes), period)?;
+            let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
+            self.anchor(&mut start);
             Ok(near.trial.map.residual_near(&start, &end))
         })
     }

@@ -4,7 +4,8 @@
 use super::branch::BranchEnd;
 use super::changes::{JUMP, LocalCurve};
 use super::map::PeriodMap;
-use crate::motion::{EventKind, Segment};
+use crate::motion::{EventKind, Mode, Segment};
+use crate::state::Direction;
 
 /// Distances beyond the last motion at which the border is searched, in units of the shortest step.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
@@ -65,7 +66,24 @@ impl LocalCurve<'_, '_> {
             }
             low = high;
         }
-        None
+        self.already_slips()
+    }
+
+    /// The end at the last point, if a contact slips there in one direction only, by a way that
+    /// counts as rounding.
+    fn already_slips(&self) -> Option<Discontinuity> {
+        let map = &self.base.trial.map;
+        let (contact, direction) = slips_one_way(map, |c| map.slips_by_rounding(c))?;
+        let parameter = self.curve.parameter(&self.base.y);
+        Some(Discontinuity {
+            distance: 0.0,
+            size: 0.0,
+            end: BranchEnd::OneWaySlip {
+                parameter,
+                contact,
+                direction,
+            },
+        })
     }
 
     /// The motion from a start on the tangent, at a distance from the last point.
@@ -164,23 +182,13 @@ impl Side {
         Some((jump, end))
     }
 
-    /// The end of a branch between two sides, if a contact that does not slip on this side slips
+    /// The end of a branch between two sides, if a contact that never slips on this side slips
     /// beyond, in one direction only.
     ///
     /// Its size counts as infinite, unless the slip may be a translation that nothing depends on:
     /// then the branch may continue.
     fn one_way_slip(&self, beyond: &Self, unslipped: &[usize]) -> Option<(f64, BranchEnd)> {
-        let same = self.alike(beyond, SAME);
-        let &(_, contact, EventKind::Release(direction)) = beyond.events.get(same)? else {
-            return None;
-        };
-        let mut later = beyond.events.iter().skip(same);
-        let turns_back = later.any(|&(_, c, kind)| {
-            c == contact && matches!(kind, EventKind::Release(to) if to != direction)
-        });
-        if turns_back || !unslipped.contains(&contact) {
-            return None;
-        }
+        let (contact, direction) = slips_one_way(&beyond.map, |c| unslipped.contains(&c))?;
         let size = if beyond.map.has_translations() {
             0.0
         } else {
@@ -193,4 +201,20 @@ impl Side {
         };
         Some((size, end))
     }
+}
+
+/// The first contact of some that slips in a motion, and the direction, if it slips in this
+/// direction only.
+fn slips_one_way(map: &PeriodMap, of: impl Fn(usize) -> bool) -> Option<(usize, Direction)> {
+    let lasting = map.steps.iter().filter(|step| step.duration() > 0.0);
+    let mut slips = lasting.flat_map(|step| {
+        let modes = step.modes().iter().enumerate();
+        modes.filter_map(|(c, mode)| match mode {
+            Mode::Slip(direction) if of(c) => Some((c, *direction)),
+            _ => None,
+        })
+    });
+    let (contact, direction) = slips.next()?;
+    let turns_back = slips.any(|(c, to)| c == contact && to != direction);
+    (!turns_back).then_some((contact, direction))
 }

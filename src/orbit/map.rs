@@ -106,15 +106,17 @@ impl PeriodMap {
         self.without_idle(residual)
     }
 
-    /// A residual with 0 for variables on which nothing depends.
-    fn without_idle(&self, mut residual: DVector<f64>) -> DVector<f64> {
-        let first = self.order() - self.depends.len();
-        for (j, depends) in self.depends.iter().enumerate() {
-            if !depends {
-                residual[first + j] = 0.0;
-            }
-        }
+    /// A residual or a difference with 0 for variables on which nothing depends.
+    pub(super) fn without_idle(&self, mut residual: DVector<f64>) -> DVector<f64> {
+        self.idle().for_each(|i| residual[i] = 0.0);
         residual
+    }
+
+    /// The entries of the state on which nothing depends.
+    fn idle(&self) -> impl Iterator<Item = usize> {
+        let first = self.order() - self.depends.len();
+        let idle = self.depends.iter().enumerate();
+        idle.filter_map(move |(j, depends)| (!depends).then_some(first + j))
     }
 
     /// The times of events and touches, in order.
@@ -278,16 +280,14 @@ impl PeriodMap {
     /// Entries of the state that closure does not determine, and which are kept: memory variables
     /// on which nothing depends, and the positions of contacts that never slip.
     pub(super) fn kept(&self) -> Vec<usize> {
-        let first = self.order() - self.depends.len();
-        let idle = self.depends.iter().enumerate();
-        let idle = idle.filter(|(_, depends)| !**depends);
         let unslipped = self.unslipped.iter().map(|unslipped| unslipped.row);
-        idle.map(|(j, _)| first + j).chain(unslipped).collect()
+        self.idle().chain(unslipped).collect()
     }
 
     /// Returns true if contacts that slip neither in this closed motion nor in another one have the
-    /// same positions in both: only a slip moves them.
-    pub(super) fn has_positions_of(&self, other: &Self) -> bool {
+    /// same positions in both: only a slip moves them. Differences are in units of the sizes, or of
+    /// a scale if it is larger: the sizes of a structure at rest can be rounding errors of 0.
+    pub(super) fn has_positions_of(&self, other: &Self, scale: &DVector<f64>) -> bool {
         let apart = vector(&self.start, self.order()) - vector(&other.start, self.order());
         let most = CLOSED * self.growth().max(other.growth());
         let sizes = self.sizes();
@@ -296,7 +296,7 @@ impl PeriodMap {
         let mut common = other.unslipped.iter().filter(|of| stays(of.contact));
         common.all(|Unslipped { row, slopes, .. }| {
             let along: f64 = slopes.iter().map(|&(j, k)| k * apart[j]).sum();
-            (apart[*row] - along).abs() <= most * sizes[*row]
+            (apart[*row] - along).abs() <= most * sizes[*row].max(scale[*row])
         })
     }
 

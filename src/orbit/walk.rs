@@ -297,13 +297,18 @@ impl Walk<'_, '_> {
         }
         let moved = view.scaled(&place.solved) - view.scaled(base);
         let direction = curve.measured(&base.tangent);
-        let sideways = &moved - &direction * place.distance;
+        // The force of an elastic contact that slips at the start follows its limit.
+        let sideways = base
+            .trial
+            .map
+            .without_idle(&moved - &direction * place.distance);
         let straight = place.solved.tangent.dot(&direction) >= STRAIGHT
             && sideways.norm() <= 0.5 * place.distance;
         // A curve may turn sharply where the events change, or one of them passes the start.
         let same = is_smooth(base, &place.solved);
         let allowed = straight || (!same && sideways.norm() <= 2.0 * LONGEST);
-        let stays = place.solved.trial.map.has_positions_of(&base.trial.map);
+        let map = &place.solved.trial.map;
+        let stays = map.has_positions_of(&base.trial.map, view.scale);
         if !(allowed && stays && place.distance > 0.0) {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }

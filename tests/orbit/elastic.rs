@@ -243,6 +243,63 @@ fn a_rigid_contact_that_slips_one_way_ends_a_branch() {
     }
 }
 
+/// A force that is largest at the start of the period: beyond the end the contact slips from the
+/// first instant, without an event of its own.
+#[test]
+fn a_contact_that_slips_one_way_from_the_start_ends_a_branch() {
+    let family = |load: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_force(0, Drive::harmonic(0.3, 1.2, 0.0)?.with_constant(0.4)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, load)?)
+    };
+    let orbit = shoot(&family(2.0).unwrap(), &State::at_rest(1), Period::Driven(1)).unwrap();
+    let branch = follow(family, 2.0, &orbit, 1.0..3.0).unwrap();
+    let BranchEnd::OneWaySlip {
+        parameter,
+        contact: 0,
+        direction: Direction::Leading,
+    } = branch.ends[0]
+    else {
+        panic!("{:?}", branch.ends)
+    };
+    assert_abs_diff_eq!(parameter, (0.3 + 0.4) / 0.5, epsilon = 1e-12);
+    assert_eq!(branch.ends[1], BranchEnd::Range);
+}
+
+/// A slider that slips at the start of the period carries its limit, which follows the load: this
+/// is no motion of the branch sideways. Slip all the time shifts the mean displacement by the limit
+/// and nothing else.
+#[test]
+fn the_limit_of_a_slider_follows_the_load() {
+    for (belt, amplitude, sticks) in [(0.5, 0.2, false), (0.1, 0.6, true)] {
+        let family = |load: f64| {
+            let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, load)?.on_belt(belt);
+            Structure::new(&[1.0])?
+                .with_ground_spring(0, 1.0)?
+                .with_ground_damper(0, 0.1)?
+                .with_force(0, Drive::harmonic(amplitude, 0.5, 0.3)?)?
+                .with_contact(contact.with_tangential_stiffness(8.0)?)
+        };
+        let start = State::new(&[0.5], &[0.0]).with_memory(&[-0.5]);
+        let orbit = settle(&family(1.0).unwrap(), &start, 300.0, Period::Driven(1)).unwrap();
+        let branch = follow(family, 1.0, &orbit, 0.6..1.4).unwrap();
+        assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+        for point in &branch.points {
+            let limit = 0.5 * point.parameter;
+            assert_eq!(point.orbit.events().is_empty(), !sticks);
+            if !sticks {
+                assert_eq!(point.orbit.state().memory, [-limit]);
+                let (low, high) = point.orbit.extremes(0);
+                let factor = f64::hypot(1.0 - 0.25, 0.1 * 0.5).recip();
+                assert_abs_diff_eq!(0.5 * (low + high), limit, epsilon = 1e-12);
+                assert_abs_diff_eq!(0.5 * (high - low), amplitude * factor, epsilon = 1e-12);
+            }
+        }
+    }
+}
+
 /// The end is as near in newtons and micrometres, where derivatives of forces are large numbers.
 #[test]
 fn the_end_of_a_branch_does_not_depend_on_units() {
