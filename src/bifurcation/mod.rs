@@ -60,7 +60,7 @@
 // | file | what is in it |
 // |---|---|
 // | `along.rs` | `Along`: the family of systems, the range, the bound of the work and the watcher |
-// | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
+// | `grazing.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
 // | `fold.rs` | folds of pure-slip cycles |
 // | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
 // | `hopf_locus` | curves of Hopf points of any system in two parameters: the search (`mod.rs`), the equations (`equations.rs`) |
@@ -69,9 +69,9 @@
 // | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 
 mod along;
-mod contacts;
 mod diagram;
 mod fold;
+mod grazing;
 mod hopf;
 mod hopf_locus;
 mod ranges;
@@ -79,14 +79,14 @@ mod silence;
 
 pub use crate::orbit::Criticality;
 pub use along::{Along, Progress, along, along_velocities};
-pub use contacts::{
-    crossing_velocities, grazing_velocities, overshoot_velocities, touching_velocities,
-};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
 pub(crate) use diagram::point;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
+pub use grazing::{
+    crossing_velocities, grazing_velocities, overshoot_velocities, touching_velocities,
+};
 pub use hopf::{criticality, hopf_velocities};
 pub use hopf_locus::{HopfLocus, HopfPoint, SpecialHopfPoint, hopf_locus};
 pub use ranges::{AttractorKind, VibrationRange, vibration_ranges};

@@ -2,8 +2,8 @@ use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
 use super::along::{Along, RangeSearch, Work, along_velocities};
-use super::contacts::all_changes;
 use super::fold::folds;
+use super::grazing::all_changes;
 use super::hopf::hopf;
 use crate::belt::MassOnBelt;
 use crate::error::Error;

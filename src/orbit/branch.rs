@@ -3,9 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::periodic_orbit::Orbit;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{EventKind, System};

@@ -2,10 +2,10 @@
 
 use nalgebra::{Complex, DVector};
 
+use super::approach::Sides;
 use super::branch::BifurcationKind;
 use super::curve::{Curve, FINE, Solved};
 use super::map::CLOSED;
-use super::sides::Sides;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 use crate::numerics::trace::Plane;

@@ -7,9 +7,9 @@ use std::ops::ControlFlow;
 use nalgebra::DVector;
 
 use super::form::{GeneralForm, Rhythm};
-use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::periodic_orbit::Orbit;
 use super::search::Search;
 use super::shoot;
 use super::translation::Turning;

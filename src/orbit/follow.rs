@@ -7,9 +7,9 @@ use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 use super::curve::{Curve, FamilyMember, Solved, sharpest};
-use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::periodic_orbit::Orbit;
 use super::search::Search;
 use super::trial::TrialMotion;
 use super::walk::{Walk, natural_scale};

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use nalgebra::{Complex, DVector};
 
 use super::form::GeneralForm;
-use super::found::Orbit;
 use super::oscillator::Oscillator;
+use super::periodic_orbit::Orbit;
 use crate::clock::Clock;
 use crate::motion::{Mode, Segment, System};
 use crate::numerics::gauss::{gauss_legendre, gauss_nodes};

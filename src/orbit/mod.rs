@@ -164,14 +164,14 @@
 // | `written.rs` | serialization of the results (feature `serde`) |
 // | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
 // | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
-// | `found.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
+// | `periodic_orbit.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
 // | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |
 // | `branch.rs` | `Branch`: the result of `follow` |
 // | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
 // | `walk.rs` | steps along the curve, and its ends |
 // | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
-// | `sides.rs` | the two sides of a change of events, brought together in few motions |
+// | `approach.rs` | the two sides of a change of events, brought together in few motions |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
@@ -186,6 +186,7 @@
 // | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events (`variation.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
+mod approach;
 mod branch;
 mod changes;
 mod classify;
@@ -193,7 +194,6 @@ mod corner;
 mod curve;
 mod follow;
 mod form;
-mod found;
 mod hold;
 mod hopf;
 mod jump;
@@ -206,6 +206,7 @@ mod measures;
 mod multipliers;
 mod oscillator;
 mod period;
+mod periodic_orbit;
 mod ranges;
 mod saltation;
 mod search;
@@ -213,7 +214,6 @@ mod section;
 mod sensitivity;
 mod sequence;
 mod shoot;
-mod sides;
 mod spectrum;
 mod springs;
 mod sweep;
@@ -230,13 +230,13 @@ mod written;
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint, Criticality};
 pub use classify::{Attractor, AttractorKind, classify};
 pub use follow::follow;
-pub use found::Orbit;
 pub use hopf::begin;
 pub use locus::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
 pub use locus::locus;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
 pub use period::Period;
+pub use periodic_orbit::Orbit;
 pub use ranges::{Border, VibrationRange, VibrationRanges, vibration_ranges};
 pub use search::{Progress, Search};
 pub use section::{EventSection, Section, section, section_at};

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector, SVD};
 
 use super::form::{GeneralForm, Rhythm};
-use super::found::Orbit;
 use super::map::{self, CLOSED, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::periodic_orbit::Orbit;
 use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;

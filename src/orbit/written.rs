@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::branch::{Bifurcation, Branch, BranchPoint};
 use super::classify::Attractor;
-use super::found::Orbit;
+use super::periodic_orbit::Orbit;
 use super::sweep::{Sweep, SweepPoint};
 use crate::motion::System;
 

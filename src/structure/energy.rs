@@ -3,7 +3,7 @@
 use std::iter::zip;
 
 use super::engine::check_start;
-use super::engine::forces::{Forces, Instant};
+use super::engine::instant::{Forces, Instant};
 use super::engine::model::Model;
 use super::engine::sparse::Sparse;
 use super::step::Step;

@@ -1,7 +1,7 @@
 //! Samples of a motion with friction forces, loads and accelerations.
 
 use super::energy::check_motion;
-use super::engine::forces::Forces;
+use super::engine::instant::Forces;
 use super::system::Structure;
 use crate::error::Error;
 use crate::motion::{Mode, Segment, Trajectory};

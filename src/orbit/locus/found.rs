@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::found::Orbit;
+use super::super::periodic_orbit::Orbit;
 use crate::error::Error;
 use crate::motion::System;
 use crate::numerics::trace::End;

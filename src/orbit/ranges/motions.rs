@@ -1,9 +1,9 @@
 //! Comparison of motions, and of branches of them.
 
 use super::super::branch::{Branch, BranchPoint};
-use super::super::found::Orbit;
 use super::super::oscillator::Oscillator;
 use super::super::period::Period;
+use super::super::periodic_orbit::Orbit;
 use crate::motion::Segment;
 use crate::state::structure::State;
 

@@ -6,10 +6,10 @@ mod variation;
 use nalgebra::{DMatrix, DVector};
 
 use self::variation::{Run, Variation};
-use super::found::Orbit;
 use super::map::{PeriodMap, longest_pause, period_map, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::periodic_orbit::Orbit;
 use super::shoot::{SINGULAR, shortest};
 use crate::error::Error;
 use crate::motion::{Event, EventKind, Segment};

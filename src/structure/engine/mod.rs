@@ -13,11 +13,11 @@
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
 //! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
-//! | `law_order.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
+//! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
 //! | `groups.rs` | those of many simple contacts, four side by side |
 //! | `alone.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
-//! | `forces.rs` | forces and accelerations at any time within a step |
+//! | `instant.rs` | forces and accelerations at any time within a step |
 //! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
 //! | `springs.rs` | elastic contacts, and normal springs |
 //! | `slow.rs` | the slow manifold of stiff bristles |
@@ -29,7 +29,9 @@
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
 mod alone;
+mod check_start;
 pub(crate) mod contact;
+mod contact_orders;
 mod coupling;
 mod decision;
 mod defect;
@@ -37,10 +39,9 @@ mod edge;
 mod events;
 mod expand;
 pub(crate) mod factor;
-pub(crate) mod forces;
 mod groups;
+pub(crate) mod instant;
 mod landing;
-mod law_order;
 pub(crate) mod model;
 mod plan;
 mod reconcile;
@@ -50,12 +51,12 @@ mod sizes;
 mod slow;
 pub(crate) mod sparse;
 mod springs;
-mod start;
 mod state;
 mod transitions;
 
 use std::sync::Arc;
 
+pub(super) use check_start::check_start;
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
@@ -63,7 +64,6 @@ use landing::{AcceptedStep, land};
 use model::Model;
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
-pub(super) use start::check_start;
 use state::{Disturbance, Phase, Situation};
 use transitions::{close, decide};
 
