@@ -134,15 +134,16 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
-/// [`shoot`]. A motion that needs more work counts as irregular. [`Search::classify`] sets another
-/// bound and accepts a watcher. For one mass on a belt,
+/// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound
+/// and takes a watcher; the page of [`Search`] states the cost. For one mass on a belt,
 /// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
 /// simulation.
 ///
 /// # Errors
 ///
-/// [`Error::NoCommonPeriod`] if the drives vary without a common period; otherwise the errors of
-/// [`Integrator::simulate`].
+/// [`Error::NoCommonPeriod`] if the drives vary without a common period; [`Error::TooManySteps`] if
+/// the motion and the searches together take 10⁶ steps, as irregular motions of several masses can;
+/// the errors of [`Integrator::simulate`].
 ///
 /// ```
 /// use stick_slip::orbit::{AttractorKind, classify};
@@ -176,8 +177,9 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// The errors of [`classify`]; [`Error::TooManySteps`] if the bound is reached;
-    /// [`Error::Stopped`] if the watcher stops the search.
+    /// The errors of [`classify`]; [`Error::TooManySteps`] if the bound is reached, so that with a
+    /// bound below 1.3·10⁵ no motion counts as irregular; [`Error::Stopped`] if the watcher stops
+    /// the search.
     pub fn classify<S: Oscillator>(
         &self,
         system: &S,

@@ -33,8 +33,16 @@ pub struct VibrationRanges<S: System> {
 pub struct VibrationRange {
     /// The values of the parameter, in its own units.
     pub parameters: Range<f64>,
-    /// The kinds of all attractors that were found, one entry for each attractor. Two or more
-    /// entries mean hysteresis: the start determines which attractor the motion reaches.
+    /// The kinds of all attractors that were found, one entry for each attractor. If there are two
+    /// or more, the range has hysteresis: the start determines which attractor is reached. The list
+    /// is empty if no attractor was found, for example where only a motion of twice the period is
+    /// stable, and no value of the sweep lies there.
+    ///
+    /// [`AttractorKind::Irregular`] is entered for the whole range if the sweep found it at one
+    /// value or more of the range. A slow transient counts as irregular, too: next to a motion on a
+    /// branch, an irregular value near an end of the range need not be a second attractor. The
+    /// points of [`VibrationRanges::sweep`] in the range tell how many values are irregular, and
+    /// [`lyapunov`](crate::orbit::lyapunov()) tells whether they are chaos.
     pub attractors: Vec<AttractorKind>,
     /// The reasons why the attractors change at the two ends of the range.
     pub borders: [Border; 2],

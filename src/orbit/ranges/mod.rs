@@ -102,8 +102,15 @@ pub fn vibration_ranges<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// Calls the function [`vibration_ranges`] with the bounds and the watcher of this search. If
-    /// the watcher stops the search, the result contains the ranges known so far.
+    /// The attractors over a range of a parameter: [`vibration_ranges`], within the bounds of this
+    /// search.
+    ///
+    /// A search that is stopped returns what it has found so far. Attractors may be missing from
+    /// its ranges, and a motion may count twice if branches end early. Only a stop within the sweep
+    /// is recorded ([`Sweep::stopped`](super::Sweep::stopped)), and a branch that is stopped before
+    /// its first new motion is left out: let the watcher record that it stopped the search, and
+    /// compare the ranges with the sweep. The same holds for branches that end with
+    /// [`BranchEnd::Work`](super::BranchEnd::Work).
     ///
     /// # Errors
     ///
