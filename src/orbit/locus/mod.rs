@@ -81,14 +81,15 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// The coefficients of normal forms are not computed. Generalised flips, Chenciner points, and
 /// points at which a pitchfork turns subcritical are therefore not found.
 ///
-/// The sequence of events can change along a curve of folds, flips, pitchforks or Neimark-Sacker
-/// bifurcations. If the period map is smooth at the change, the curve continues beyond it.
-/// Otherwise the curve ends with [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings,
-/// onsets of stops or event orders ends with `Jump` at every change of the other events. On a curve
-/// of grazings, the instant of grazing can approach another event of the same contact, such as a
-/// release. The steps then become ever shorter, and the curve ends with
-/// [`LocusEnd::Crawls`](super::LocusEnd::Crawls). If an autonomous motion shrinks to a point, the
-/// curve ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
+/// If the period map is smooth at a change of the events, a curve of folds, flips or Neimark-Sacker
+/// bifurcations continues beyond the change; otherwise it ends with
+/// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
+/// ends with `Jump` at every such change. On a curve of grazings, the instant of grazing can
+/// approach another event of the same contact, such as a release. The steps then become ever
+/// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of folds
+/// that meets a curve of grazings can end so, too, or with
+/// [`LocusEnd::Lost`](super::LocusEnd::Lost). A curve of an autonomous motion that shrinks to a
+/// point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
 /// extrapolated, with an error of about 1e-8 of the ranges.
 ///
 /// For four changes of events no curve can be computed:
