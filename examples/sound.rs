@@ -2,8 +2,9 @@
 //!
 //! What to learn from it:
 //!
-//! * `samples` gives a motion at any rate, here 44.1 kHz: each sample is as exact as the motion, so
-//!   only frequencies above half the rate must be filtered out;
+//! * `samples` gives a motion at any rate, here 44.1 kHz, and each sample is as exact as the
+//!   motion. The acceleration jumps at every stick, so it has harmonics above half the rate; they
+//!   are folded back, and this program does not filter them out;
 //! * the sound that one hears is nearly proportional to the acceleration of a surface;
 //! * a WAV file is 44 bytes of header and the samples.
 //!

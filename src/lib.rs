@@ -74,8 +74,9 @@
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
 //! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
-//! | samples at 48 kHz, each with its mode, stick or slip | [`Trajectory::sample_every`] |
+//! | samples at 48 kHz, each with its mode, stick or slip | [`Trajectory::sample_every`]; with forces and accelerations, for example for a sound file: [`Structure::samples`] |
 //! | bounding, watching or stopping a search | [`bifurcation::Along`], [`orbit::Search`]; the results found so far are kept |
+//! | many systems on all cores | systems and results can be shared between threads: call any function from several threads |
 //! | cancelling a run | [`Integrator::simulate_until`], or stop taking steps from [`Integrator::flow`] |
 //! | what is promised, and which test checks it | [`guarantees`] |
 //!
