@@ -134,8 +134,10 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
-/// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound
-/// and takes a watcher; the page of [`Search`] states the cost. For one mass on a belt,
+/// [`shoot`]; a motion that needs more counts as irregular. If its transient is longer, as with
+/// little damping and very different frequencies, simulate the transient first, and classify from
+/// its end. [`Search::classify`] sets a lower bound and takes a watcher; the page of [`Search`]
+/// states the cost. For one mass on a belt,
 /// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
 /// simulation.
 ///

@@ -39,10 +39,11 @@ pub struct VibrationRange {
     /// stable, and no value of the sweep lies there.
     ///
     /// [`AttractorKind::Irregular`] is entered for the whole range if the sweep found it at one
-    /// value or more of the range. A slow transient counts as irregular, too: next to a motion on a
-    /// branch, an irregular value near an end of the range need not be a second attractor. The
-    /// points of [`VibrationRanges::sweep`] in the range tell how many values are irregular, and
-    /// [`lyapunov`](crate::orbit::lyapunov()) tells whether they are chaos.
+    /// value or more of the range. A long transient counts as irregular, too, for example near a
+    /// bifurcation: an irregular motion in the list need not be another attractor. The points of
+    /// [`VibrationRanges::sweep`] in the range tell how many values are irregular. To decide,
+    /// simulate one of them for longer and [`classify`](crate::orbit::classify()) its end, or
+    /// compute its exponent by [`lyapunov`](crate::orbit::lyapunov()).
     pub attractors: Vec<AttractorKind>,
     /// The reasons why the attractors change at the two ends of the range.
     pub borders: [Border; 2],
