@@ -31,8 +31,9 @@ const ROUNDING: f64 = 1e-14;
 const STEEP: f64 = 64.0;
 
 impl LocalCurve<'_, '_> {
-    /// A motion on the other piece of the curve, which begins at the last motion, and the corner.
-    pub(super) fn corner(&self) -> Option<(CurvePoint, FoundBifurcation)> {
+    /// A motion on the other piece of the curve, which begins at the last motion, and the corner. An
+    /// event that passes the start makes a corner of the curve, but is no bifurcation.
+    pub(super) fn corner(&self) -> Option<(CurvePoint, Option<FoundBifurcation>)> {
         let here = CurvePoint {
             distance: 0.0,
             solved: self.base.clone(),
@@ -155,13 +156,12 @@ impl LocalCurve<'_, '_> {
         nearer: impl Fn(&DVector<f64>) -> Option<CurvePoint>,
     ) -> bool {
         let apart = self.apart(here, place);
-        if place.solved.sequence.is_like(&self.base.sequence) || apart > STEEP * away {
+        if place.solved.is_like(self.base) || apart > STEEP * away {
             return false;
         }
         let guess = &self.base.y * 0.75 + &place.solved.y * 0.25;
         nearer(&guess).is_some_and(|nearer| {
-            nearer.solved.sequence.is_like(&place.solved.sequence)
-                && self.apart(here, &nearer) <= 0.6 * apart
+            nearer.solved.is_like(&place.solved) && self.apart(here, &nearer) <= 0.6 * apart
         })
     }
 
@@ -174,12 +174,13 @@ impl LocalCurve<'_, '_> {
         place
     }
 
-    fn found(&self, place: &CurvePoint) -> FoundBifurcation {
-        FoundBifurcation {
+    fn found(&self, place: &CurvePoint) -> Option<FoundBifurcation> {
+        let (before, after) = (&self.base.sequence, &place.solved.sequence);
+        (!before.is_like(after)).then(|| FoundBifurcation {
             distance: 0.0,
-            kind: self.base.sequence.change(&place.solved.sequence),
+            kind: before.change(after),
             solved: self.at_corner(&place.solved),
-        }
+        })
     }
 
     /// The motion at the corner, on the smoother piece, given a point on the other one.

@@ -83,6 +83,18 @@ pub(super) struct Solved {
     pub(super) modes: Vec<Mode>,
 }
 
+impl Solved {
+    /// Returns true if another motion has the same events in the same order from the start, so that
+    /// the curve is smooth between them.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.sequence.is_like(&other.sequence) && self.first_modes() == other.first_modes()
+    }
+
+    fn first_modes(&self) -> Option<&[Mode]> {
+        self.trial.map.first_modes()
+    }
+}
+
 /// Limit of the motions tried in one direction.
 const MOST_TRIALS: usize = 50_000;
 
@@ -357,7 +369,8 @@ impl Curve<'_> {
         plane: &Plane<'_>,
     ) -> Result<Solved, Error> {
         let (mut y, mut modes) = (guess.clone(), near.modes.clone());
-        let mut slope: Option<DVector<f64>> = None;
+        // With the modes at the end of the motion to which it belongs.
+        let mut slope: Option<(Vec<Mode>, DVector<f64>)> = None;
         let mut before = f64::INFINITY;
         let mut steps = 0;
         loop {
@@ -365,9 +378,11 @@ impl Curve<'_> {
             y.rows_mut(0, self.order)
                 .copy_from(&vector(&trial.map.start, self.order));
             let growth = trial.map.growth();
-            let slope = match &mut slope {
-                Some(slope) if before < COARSE / (growth * growth) => slope,
-                slope => slope.insert(self.by_parameter(&y, &trial, &modes)),
+            let end_modes = trial.map.end_modes().to_vec();
+            let is_fine = before < COARSE / (growth * growth);
+            let (_, slope) = match &mut slope {
+                Some(slope) if is_fine && slope.0 == end_modes => slope,
+                slope => slope.insert((end_modes, self.by_parameter(&y, &trial, &modes))),
             };
             let (mut matrix, mut right) = self.linearised(&y, &trial, slope, plane.scale);
             let last = self.unknowns() - 1;

@@ -9,7 +9,7 @@ use super::jump::LARGE;
 use super::locus::end::tangential_end;
 use super::spectrum::hopf_point;
 use crate::error::Error;
-use crate::motion::{Mode, Segment};
+use crate::motion::Segment;
 use crate::numerics::trace::{Plane, at_zero};
 use crate::state::structure::State;
 
@@ -147,7 +147,7 @@ impl Walk<'_, '_> {
                 .component_mul(&scale)
                 .component_div(&next_scale);
             scale = next_scale;
-            self.before = is_smooth(&before, &base).then_some(before);
+            self.before = before.is_like(&base).then_some(before);
             if let Some((moved, moved_scale)) = self.started_elsewhere(&base, &tangent) {
                 (base, scale) = (moved, moved_scale);
                 self.before = None;
@@ -236,7 +236,8 @@ impl Walk<'_, '_> {
         if let Some((place, found)) = view.corner() {
             *signs = [0.0; 4];
             let length = view.apart(here, &place);
-            return (Outcome::Next(place, vec![found]), length.min(LONGEST));
+            let found = Vec::from_iter(found);
+            return (Outcome::Next(place, found), length.min(LONGEST));
         }
         let parameter = self.curve.parameter(&view.base.y);
         let lost = Outcome::End(BranchEnd::Lost { parameter, error });
@@ -305,7 +306,7 @@ impl Walk<'_, '_> {
         let straight = place.solved.tangent.dot(&direction) >= STRAIGHT
             && sideways.norm() <= 0.5 * place.distance;
         // A curve may turn sharply where the events change, or one of them passes the start.
-        let same = is_smooth(base, &place.solved);
+        let same = base.is_like(&place.solved);
         let allowed = straight || (!same && sideways.norm() <= 2.0 * LONGEST);
         let map = &place.solved.trial.map;
         let stays = map.has_positions_of(&base.trial.map, view.scale);
@@ -452,19 +453,6 @@ impl Walk<'_, '_> {
         let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
         Some((solved, scale))
     }
-}
-
-/// Returns true if two motions have the same events in the same order from the start, so that the
-/// curve is smooth between them.
-fn is_smooth(a: &Solved, b: &Solved) -> bool {
-    a.sequence.is_like(&b.sequence) && starts(a) == starts(b)
-}
-
-/// The modes of the contacts at the start of a motion.
-fn starts(solved: &Solved) -> Option<&[Mode]> {
-    let mut steps = solved.trial.map.steps.iter();
-    let first = steps.find(|step| step.duration() > 0.0);
-    first.map(|step| step.modes())
 }
 
 /// The scales of the unknowns at a point: those of its state, its period and the range. In these

@@ -3,6 +3,7 @@
 
 use approx::assert_abs_diff_eq;
 use std::cell::Cell;
+use std::f64::consts::TAU;
 
 use serde_json::Value;
 use stick_slip::nalgebra::{DMatrix, DVector};
@@ -12,7 +13,7 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
-    MassOnBelt, Polynomial, Rational, Structure, System, bifurcation, limit_cycle,
+    MassOnBelt, Polynomial, Rational, Stribeck, Structure, System, bifurcation, limit_cycle,
 };
 
 use crate::common::number;
@@ -731,4 +732,45 @@ fn a_branch_does_not_depend_on_the_static_displacement() {
         assert_abs_diff_eq!(grazing.parameter, 0.795_625_251_483, epsilon = 1e-10);
         assert_abs_diff_eq!(fold.parameter, 0.819_099_550_916_72, epsilon = 1e-10);
     }
+}
+
+/// A drill string of four inertias, turned at a speed in revolutions per minute: the table, two
+/// parts of the pipe, and the bit with dry friction on the rock.
+fn drill_string(speed: f64) -> Result<Structure, Error> {
+    let speed = speed * TAU / 60.0;
+    let mut string = Structure::new(&[374.0, 60.0, 60.0, 2122.0])?;
+    for i in 0..3 {
+        string = string
+            .with_spring(i, i + 1, 1419.0)?
+            .with_damper(i, i + 1, 69.6)?;
+    }
+    let bit = Contact::new(0, Stribeck::new(0.8, 0.4, 1.0, 1)?, 12e3)?;
+    string
+        .with_ground_spring(3, 4000.0)?
+        .with_ground_damper(3, 425.0)?
+        .with_contact(bit.on_belt(-speed))
+}
+
+/// The start of a branch is a turning point of one coordinate. When stick of the bit passes it, the
+/// velocity of the bit at the start has a kink over the parameter, by more than a right angle in the
+/// units of the walk. The motion itself does not change: no bifurcation, and the branch goes on to
+/// motions that a simulation reaches.
+#[test]
+fn an_event_may_pass_the_start_at_a_sharp_corner() -> Result<(), Error> {
+    let start = State::at_rest(4);
+    let orbit = settle(&drill_string(18.75)?, &start, 1500.0, Period::Free(15.0))?;
+    let branch = follow(drill_string, 18.75, &orbit, 16.0..60.0)?;
+    assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+    let kinds: Vec<_> = branch.bifurcations.iter().map(|found| found.kind).collect();
+    assert!(
+        kinds.iter().all(|kind| *kind == BifurcationKind::Fold),
+        "{kinds:?}"
+    );
+    let last = &branch.points.last().unwrap().orbit;
+    let settled = settle(&drill_string(60.0)?, &start, 1500.0, Period::Free(7.7))?;
+    assert_abs_diff_eq!(last.period(), settled.period(), epsilon = 1e-11);
+    let [low, high] = [last, &settled].map(|orbit| orbit.extremes(0));
+    assert_abs_diff_eq!(low.0, high.0, epsilon = 1e-10);
+    assert_abs_diff_eq!(low.1, high.1, epsilon = 1e-10);
+    Ok(())
 }
