@@ -83,7 +83,11 @@ fn start(case: &Value) -> State {
 #[test]
 fn heat_of_elastic_contacts_is_that_of_the_reference() {
     let mut compared = 0;
-    for case in cases(include_str!("../data/joint_trajectories.json")) {
+    let files = [
+        include_str!("../data/joint_trajectories.json"),
+        include_str!("../data/stiff_joint_trajectories.json"),
+    ];
+    for case in files.into_iter().flat_map(cases) {
         let id = text(&case["id"]);
         let system = structure(&case["system"], f64::NAN);
         let end = crate::common::number(&case["t_end"]);
@@ -98,7 +102,7 @@ fn heat_of_elastic_contacts_is_that_of_the_reference() {
             compared += 1;
         }
     }
-    assert_eq!(compared, 14);
+    assert_eq!(compared, 14 + 25);
 }
 
 #[test]
