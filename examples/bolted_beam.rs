@@ -1,29 +1,31 @@
-//! A beam that is pressed by springs on six elastic pads. A harmonic force is swept upwards and
-//! downwards over the second resonance, at which the pads slip and open. A free decay gives the
-//! damping over the amplitude.
+//! A beam that is pressed by springs on six elastic pads, one of them loosely. The vibration under a
+//! harmonic force is followed through its second resonance, which bends because the loose pad
+//! opens. A free decay gives the damping over the amplitude.
 //!
 //! What to learn from it:
 //!
-//! * a reduced model is given by its matrices. Here its coordinates are 14 bending and 6 axial
+//! * a reduced model is given by its matrices. Here its coordinates are 13 bending and 7 axial
 //!   shapes of a beam with a step in its thickness, so M and K are full. A contact is given by two
 //!   rows of shape functions: the displacement of the surface along the pad, and the displacement
 //!   into the pad;
-//! * each pad is an elastic contact with a normal spring. Below the onset of slip the joint is
-//!   linear. Above it the joint damps the vibration. When pads open, the resonance peak bends to
-//!   lower frequencies;
-//! * two motions therefore exist in a range of frequencies: sweeps downwards and upwards reach
-//!   different amplitudes;
-//! * `orbit::settle` computes two such motions exactly, with their multipliers, which show whether
-//!   they are stable.
+//! * each pad is an elastic contact with a normal spring. Up to an amplitude all pads stick, and the
+//!   beam is linear. Above it the loose pad slips and opens, and the frequency falls. At large
+//!   amplitudes the other pads slip, too, and damp the vibration;
+//! * `orbit::follow` starts above the resonance, where there is one motion, and finds all motions
+//!   connected with it, through two folds and into the linear range. Between the folds there are
+//!   three motions at each frequency, and the middle one is unstable: neither sweeps nor simulations
+//!   reach it;
+//! * the folds are computed to round-off, not read from a curve.
 //!
 //! Run it with `cargo run --release --example bolted_beam`; it takes a minute. With a file name
-//! after `--`, it writes sweeps at three forces to this file instead, which takes some minutes. The
-//! package `examples/figures` draws such a file, `examples/figures/bolted_beam.csv`.
+//! after `--`, it writes the curves of three forces to this file instead, which takes some minutes.
+//! The package `examples/figures` draws such a file, `examples/figures/bolted_beam.csv`.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use stick_slip::nalgebra::{DMatrix, DVector};
-use stick_slip::orbit::{self, Period};
+use stick_slip::orbit::{self, BifurcationKind, Branch, BranchPoint, Period, Search};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Segment, Structure, Trajectory};
 
@@ -33,17 +35,18 @@ const WIDTH: f64 = 0.03;
 const MODULUS: f64 = 210e9;
 const DENSITY: f64 = 7850.0;
 /// Thickness up to the middle, and beyond it.
-const THICKNESS: [f64; 2] = [0.02, 0.016];
-const BENDING: usize = 14;
-const AXIAL: usize = 6;
+const THICKNESS: [f64; 2] = [0.02, 0.018];
+const BENDING: usize = 13;
+const AXIAL: usize = 7;
 pub(crate) const SHAPES: usize = BENDING + AXIAL;
 /// Damping ratio of the second mode without pads.
-const DAMPING: f64 = 0.001;
+const DAMPING: f64 = 0.0005;
 
 // Of each pad.
 const PADS: usize = 6;
 const FRICTION: f64 = 0.3;
-const LOAD: f64 = 150.0;
+/// The bolt beside the fifth pad is loose.
+const LOADS: [f64; PADS] = [300.0, 300.0, 300.0, 300.0, 20.0, 300.0];
 const TANGENTIAL: f64 = 8e6;
 const NORMAL: f64 = 2e6;
 
@@ -111,12 +114,12 @@ fn beam(force: f64, frequency: f64) -> Result<Structure, Error> {
         .with_stiffness(stiffness)?
         .with_damping(damping)?;
     let mut pressed = [0.0; BENDING];
-    for pad in 0..PADS {
+    for (pad, load) in LOADS.into_iter().enumerate() {
         let [along, into] = rows(pad);
         for &(shape, d) in &into {
-            pressed[shape] += LOAD * d;
+            pressed[shape] += load * d;
         }
-        let contact = Contact::along(&along, Coulomb::new(FRICTION, FRICTION)?, LOAD)?
+        let contact = Contact::along(&along, Coulomb::new(FRICTION, FRICTION)?, load)?
             .with_tangential_stiffness(TANGENTIAL)?
             .with_normal_spring(&into, NORMAL)?;
         beam = beam.with_contact(contact)?;
@@ -148,17 +151,6 @@ pub(crate) fn second_mode() -> Option<(f64, DVector<f64>)> {
     Some((modes.eigenvalues[mode].sqrt() / TAU, &shape / shape[1]))
 }
 
-/// Half the range of the second bending shape from a time on.
-fn amplitude(motion: &Trajectory<State>, from: f64) -> f64 {
-    let steps = motion.steps().iter();
-    let late = steps.filter(|step| step.start_time() >= from);
-    let (low, high) = late.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), step| {
-        let q = step.state().displacements[1];
-        (low.min(q), high.max(q))
-    });
-    0.5 * (high - low)
-}
-
 /// Times and values of the turning points of the second bending shape; whether each is a maximum.
 fn turns(motion: &Trajectory<State>) -> Vec<(f64, f64, bool)> {
     let turns = motion.steps().iter().filter_map(|step| {
@@ -173,14 +165,14 @@ fn turns(motion: &Trajectory<State>) -> Vec<(f64, f64, bool)> {
     turns.collect()
 }
 
-/// A free decay in the second mode, from an amplitude at which the pads open: amplitude, frequency
+/// A free decay in the second mode, from an amplitude at which all pads open: amplitude, frequency
 /// and damping ratio of windows of `window` periods. Each window begins `step` periods after the
 /// window before.
 pub(crate) fn decay(window: usize, step: usize) -> Result<Vec<[f64; 3]>, Error> {
     let (natural, shape) = second_mode().expect("the mass matrix is positive definite");
-    let start: Vec<f64> = (&shape * 1.2e-4).iter().copied().collect();
+    let start: Vec<f64> = (&shape * 2.5e-4).iter().copied().collect();
     let start = State::new(&start, &[0.0; SHAPES]);
-    let motion = beam(0.0, natural)?.simulate(start, 240.0 / natural)?;
+    let motion = beam(0.0, natural)?.simulate(start, 900.0 / natural)?;
     let maxima: Vec<_> = turns(&motion).into_iter().filter(|turn| turn.2).collect();
     let windows = maxima.windows(window + 1).step_by(step).map(|part| {
         let (begin, end) = (part[0], part[window]);
@@ -191,159 +183,133 @@ pub(crate) fn decay(window: usize, step: usize) -> Result<Vec<[f64; 3]>, Error> 
     Ok(windows.collect())
 }
 
-/// A frequency of a sweep, and the least and the largest amplitude there: one and the same if the
-/// vibration is periodic.
-pub(crate) type Swept = (f64, [f64; 2]);
+/// Forces of the resonance curves of the figure.
+pub(crate) const FORCES: [f64; 3] = [2.0, 3.0, FORCE];
+/// Frequencies of the figure.
+pub(crate) const WHOLE: Range<f64> = 1224.0..1234.0;
 
-/// The amplitudes at frequencies one after the other; each run starts from the last state of the
-/// run before. If the motion settles to a stable motion of the force's period, this motion is
-/// computed exactly. Otherwise the amplitudes of the last 40 periods are returned.
-pub(crate) fn swept(
+const FORCE: f64 = 4.0;
+/// Frequencies around the folds.
+const RANGE: Range<f64> = 1225.9..1229.8;
+/// Periods after which the vibration is nearly periodic.
+const TRANSIENT: f64 = 2000.0;
+
+/// The resonance curve of a force, followed from the highest frequency, where the loose pad slips in
+/// both directions, to at most so many other motions.
+pub(crate) fn resonance(
     force: f64,
-    frequencies: impl Iterator<Item = f64>,
-) -> Result<Vec<Swept>, Error> {
-    let mut state = State::at_rest(SHAPES);
-    let mut found = Vec::new();
-    for frequency in frequencies {
-        let system = beam(force, frequency)?;
-        let motion = system.simulate(state, PERIODS / frequency)?;
-        state = motion.last();
-        let turns = turns(&motion);
-        // A period between two turning points has no amplitude of its own.
-        let late = (1..=40).filter_map(|back| {
-            let from = (PERIODS - f64::from(back)) / frequency;
-            let period = from..from + 1.0 / frequency;
-            let values = turns.iter().filter(|turn| period.contains(&turn.0));
-            let (low, high) = values
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), turn| {
-                    (low.min(turn.1), high.max(turn.1))
-                });
-            (high > low).then_some(0.5 * (high - low))
-        });
-        let mut amplitudes = late.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], amplitude| {
-            [low.min(amplitude), high.max(amplitude)]
-        });
-        // A motion far away is not the one that the sweep tends to.
-        let near = 0.8 * amplitudes[0]..1.2 * amplitudes[1];
-        match orbit::shoot(&system, &state, Period::Driven(1)) {
-            Ok(orbit) if orbit.is_stable() && near.contains(&orbit.amplitude(1)) => {
-                amplitudes = [orbit.amplitude(1); 2];
-                state = orbit.state();
-            }
-            _ => {}
-        }
-        found.push((frequency, amplitudes));
-    }
-    Ok(found)
+    range: Range<f64>,
+    points: usize,
+) -> Result<Branch<Structure>, Error> {
+    let (highest, rest) = (range.end, State::at_rest(SHAPES));
+    let system = beam(force, highest)?;
+    let search = Search::new()
+        .with_max_points(points)?
+        .with_max_steps(10_000_000)?;
+    let first = search.settle(&system, &rest, TRANSIENT / highest, Period::Driven(1))?;
+    search.follow(|frequency| beam(force, frequency), highest, &first, range)
 }
 
-/// Forces of the sweeps for the figure.
-pub(crate) const FORCES: [f64; 3] = [15.0, 30.0, 60.0];
+/// A point of a resonance curve: frequency, amplitude, and whether the motion is stable.
+pub(crate) type Point = (f64, f64, bool);
 
-/// Frequencies of the sweeps for the figure, upwards.
-pub(crate) fn frequencies(natural: f64) -> impl DoubleEndedIterator<Item = f64> + Clone {
-    (0..=24).map(move |i| natural * (0.97 + 0.0015 * f64::from(i)))
+pub(crate) fn points(branch: &Branch<Structure>) -> impl Iterator<Item = Point> {
+    let points = branch.points.iter();
+    points.map(
+        |BranchPoint {
+             parameter, orbit, ..
+         }| { (*parameter, orbit.amplitude(1), orbit.is_stable()) },
+    )
 }
 
-/// Writes the sweeps of the figure, all at one time.
-fn write(file: &str, natural: f64) -> Result<(), Box<dyn std::error::Error>> {
-    let of = frequencies(natural);
-    let sweeps = std::thread::scope(|scope| {
+/// Writes the resonance curves of the figure, all at one time.
+fn write(file: &str) -> Result<(), Box<dyn std::error::Error>> {
+    let curves = std::thread::scope(|scope| {
+        let most = Search::DEFAULT_MAX_POINTS;
         let running = FORCES.map(|force| {
-            let (up, down) = (of.clone(), of.clone().rev());
-            [
-                scope.spawn(move || swept(force, up)),
-                scope.spawn(move || swept(force, down)),
-            ]
+            scope.spawn(move || Ok(points(&resonance(force, WHOLE, most)?).collect()))
         });
-        running.map(|both| both.map(|sweep| sweep.join().expect("no sweep panics")))
+        running.map(|curve| curve.join().expect("no curve panics"))
     });
-    let mut text =
-        String::from("force in N,sweep,frequency in Hz,least and,largest amplitude in m\n");
-    for (force, both) in FORCES.into_iter().zip(sweeps) {
-        for (sweep, name) in both.into_iter().zip(["up", "down"]) {
-            for (frequency, [least, largest]) in sweep? {
-                text += &format!("{force},{name},{frequency:.9},{least:.9e},{largest:.9e}\n");
-            }
+    let mut text = String::from("force in N,frequency in Hz,amplitude in m,stable\n");
+    for (force, curve) in FORCES.into_iter().zip(curves) {
+        let curve: Result<Vec<Point>, Error> = curve;
+        for (frequency, amplitude, is_stable) in curve? {
+            text += &format!("{force},{frequency:.9},{amplitude:.9e},{is_stable}\n");
         }
     }
     std::fs::write(file, text)?;
     Ok(())
 }
 
-const FORCE: f64 = 60.0;
-/// Frequencies of the sweeps, in units of that of the stuck beam.
-const RANGE: [f64; 2] = [0.978, 1.002];
-const FREQUENCIES: usize = 13;
-/// Periods at each of them.
-const PERIODS: f64 = 150.0;
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (natural, _) = second_mode().expect("the mass matrix is positive definite");
     if let Some(file) = std::env::args().nth(1) {
-        return write(&file, natural);
+        return write(&file);
     }
+    let (natural, _) = second_mode().expect("the mass matrix is positive definite");
     println!("second mode, pads closed and stuck: {natural:.2} Hz");
 
     println!("\nfree decay: amplitude in µm, frequency in Hz, damping ratio");
     let mut ratios = Vec::new();
-    for [amplitude, frequency, ratio] in decay(20, 20)? {
+    for [amplitude, frequency, ratio] in decay(40, 40)? {
         println!("  {:6.1}   {frequency:8.2}   {ratio:.5}", 1e6 * amplitude);
         ratios.push((frequency, ratio));
     }
-    let most = ratios.iter().fold(0.0_f64, |most, point| most.max(point.1));
-    let last = ratios[ratios.len() - 1];
-    // At the end of the decay the pads stick; before, they damp the vibration, and lower its
-    // frequency when they open.
-    assert!((last.0 / natural - 1.0).abs() < 5e-3 && ratios[0].0 < 0.995 * natural);
-    assert!(most > 1.5 * last.1);
-
-    println!("\n{FORCE} N: frequency in Hz, amplitude in µm swept downwards and upwards");
-    let at = |i: usize| {
-        let part = i as f64 / (FREQUENCIES - 1) as f64;
-        natural * (RANGE[0] + (RANGE[1] - RANGE[0]) * part)
-    };
-    let sweep = |order: &mut dyn Iterator<Item = usize>| {
-        let mut found = vec![(0.0, State::at_rest(SHAPES)); FREQUENCIES];
-        let mut state = State::at_rest(SHAPES);
-        for i in order {
-            let motion = beam(FORCE, at(i))?.simulate(state, PERIODS / at(i))?;
-            state = motion.last();
-            found[i] = (amplitude(&motion, (PERIODS - 2.0) / at(i)), state.clone());
-        }
-        Ok::<_, Error>(found)
-    };
-    let down = sweep(&mut (0..FREQUENCIES).rev())?;
-    let up = sweep(&mut (0..FREQUENCIES))?;
-    let mut apart = Vec::new();
-    for i in 0..FREQUENCIES {
-        let [one, other] = [down[i].0, up[i].0];
-        println!("  {:8.2}   {:6.1}   {:6.1}", at(i), 1e6 * one, 1e6 * other);
-        apart.push((one / other, i));
+    let (first, last) = (ratios[0], ratios[ratios.len() - 1]);
+    // At the end all pads stick. Before, they lower the frequency, and the first ones damp it.
+    assert!(first.0 < 0.99 * natural && (last.0 / natural - 1.0).abs() < 1e-3);
+    assert!(first.1 > 1.5 * last.1);
+    println!("\n{FORCE} N: frequency in Hz, amplitude in µm, events per period");
+    let branch = resonance(FORCE, RANGE, Search::DEFAULT_MAX_POINTS)?;
+    for BranchPoint {
+        parameter, orbit, ..
+    } in branch.points.iter().step_by(10)
+    {
+        let stable = if orbit.is_stable() { "" } else { "   unstable" };
+        let (amplitude, events) = (1e6 * orbit.amplitude(1), orbit.events().len());
+        println!("  {parameter:10.4}   {amplitude:8.4}   {events:2}{stable}");
     }
-
-    // Two exact motions at one frequency: the frequency at which the sweeps differ most among those
-    // with periodic vibrations.
-    apart.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let exact = |i: usize| -> Result<[orbit::Orbit<Structure>; 2], Error> {
-        let system = beam(FORCE, at(i))?;
-        let settled = |start| orbit::settle(&system, start, 200.0 / at(i), Period::Driven(1));
-        Ok([settled(&down[i].1)?, settled(&up[i].1)?])
+    println!("\nthe curve turns back: frequency in Hz, amplitude in µm, |multiplier − 1|");
+    let folds = branch.bifurcations.iter();
+    let folds: Vec<_> = folds
+        .filter(|at| at.kind == BifurcationKind::Fold)
+        .collect();
+    for fold in &folds {
+        let multipliers = fold.orbit.multipliers().iter();
+        let apart = multipliers.map(|multiplier| (multiplier - 1.0).norm());
+        let apart = apart.fold(f64::INFINITY, f64::min);
+        let amplitude = 1e6 * fold.orbit.amplitude(1);
+        println!("  {:.7}   {amplitude:.6}   {apart:.0e}", fold.parameter);
+        assert!(apart < 1e-6);
+    }
+    let [upper, lower] = folds[..] else {
+        panic!("two folds")
     };
-    let (i, orbits) = apart
-        .iter()
-        .find_map(|&(_, i)| exact(i).ok().map(|orbits| (i, orbits)))
-        .expect("two periodic motions");
-    println!(
-        "\nat {:.2} Hz: amplitude in µm, events per period, largest multiplier",
-        at(i)
-    );
-    let amplitudes = orbits.each_ref().map(|orbit| {
-        let (low, high) = orbit.extremes(1);
-        let (events, largest) = (orbit.events().len(), orbit.multipliers()[0].norm());
-        println!("  {:7.3}   {events:3}   {largest:.6}", 0.5e6 * (high - low));
-        high - low
+
+    // All motions at one frequency between them, each found from the nearest point of the curve.
+    let middle = 0.5 * (upper.parameter + lower.parameter);
+    println!("\nat {middle:.4} Hz: amplitude in µm, events per period, largest multiplier");
+    let system = beam(FORCE, middle)?;
+    let crossings = branch.points.windows(2).filter(|pair| {
+        let [one, other] = [0, 1].map(|i| pair[i].parameter < middle);
+        one != other
     });
-    assert!(amplitudes[0] > 1.2 * amplitudes[1] && orbits[1].is_stable());
+    let motions: Vec<_> = crossings
+        .map(|pair| orbit::shoot(&system, &pair[0].orbit.state(), Period::Driven(1)))
+        .collect::<Result<_, _>>()?;
+    for orbit in &motions {
+        let (events, largest) = (orbit.events().len(), orbit.multipliers()[0].norm());
+        println!(
+            "  {:9.6}   {events}   {largest:.9}",
+            1e6 * orbit.amplitude(1)
+        );
+    }
+    assert!(
+        motions
+            .iter()
+            .map(|orbit| orbit.is_stable())
+            .eq([true, false, true])
+    );
+    assert!(motions.is_sorted_by_key(|orbit| orbit.amplitude(1)));
     Ok(())
 }

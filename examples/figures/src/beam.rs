@@ -1,102 +1,108 @@
-//! A beam on pads that slip and open: resonance swept both ways, and damping over amplitude.
+//! A beam on pads of which one opens: resonance curves through their folds, and damping over
+//! amplitude.
 
-use super::bolted_beam::{self, FORCES, SHAPES, Swept};
+use super::bolted_beam::{self, FORCES, Point as Motion, SHAPES, WHOLE};
 use super::clip::Point;
 use super::plot::{Axis, Panel};
 use super::style::{BLACK, BLUE, GREEN, GREY, Stroke, VERMILLION};
 use super::svg::{Figure, Result, svg};
 
-/// The sweeps take minutes: the example writes them.
-const SWEEPS: &str = include_str!("../bolted_beam.csv");
+/// The curves take minutes: the example writes them.
+const CURVES: &str = include_str!("../bolted_beam.csv");
 
-/// The sweeps upwards and downwards at each force, each in the order in which it went.
-pub(super) fn sweeps() -> Result<[[Vec<Swept>; 2]; FORCES.len()]> {
-    let mut sweeps: [[Vec<Swept>; 2]; FORCES.len()] = Default::default();
-    for line in SWEEPS.lines().skip(1) {
-        let [force, name, numbers @ ..] = &line.split(',').collect::<Vec<_>>()[..] else {
-            return Err(format!("no sweep: {line}").into());
+/// The resonance curve of each force.
+pub(super) fn curves() -> Result<[Vec<Motion>; FORCES.len()]> {
+    let mut curves: [Vec<Motion>; FORCES.len()] = Default::default();
+    for line in CURVES.lines().skip(1) {
+        let [force, frequency, amplitude, stable] = line.split(',').collect::<Vec<_>>()[..] else {
+            return Err(format!("no motion: {line}").into());
         };
         let force: f64 = force.parse()?;
         let place = FORCES.iter().position(|&of| of == force);
         let place = place.ok_or_else(|| format!("another force: {line}"))?;
-        let numbers = numbers.iter().map(|number| number.parse());
-        let numbers: Vec<f64> = numbers.collect::<std::result::Result<_, _>>()?;
-        let [frequency, least, largest] = numbers[..] else {
-            return Err(format!("not three numbers: {line}").into());
-        };
-        sweeps[place][usize::from(*name == "down")].push((frequency, [least, largest]));
+        curves[place].push((frequency.parse()?, amplitude.parse()?, stable.parse()?));
     }
-    Ok(sweeps)
+    Ok(curves)
 }
 
-/// The lowest and the highest frequency at which the two sweeps differ by more than a tenth.
-pub(super) fn apart([up, down]: &[Vec<Swept>; 2]) -> Option<(f64, f64)> {
-    let middle = |swept: &Swept| 0.5 * (swept.1[0] + swept.1[1]);
-    let pairs = up.iter().zip(down.iter().rev());
-    let mut own = pairs.filter(|(one, other)| middle(other) > 1.1 * middle(one));
-    let first = own.next()?.0.0;
-    Some((first, own.next_back().map_or(first, |pair| pair.0.0)))
+/// The frequencies between which a curve has an unstable part, if it has one.
+pub(super) fn between_folds(curve: &[Motion]) -> Option<(f64, f64)> {
+    let unstable = curve.iter().filter(|motion| !motion.2);
+    unstable.fold(None, |found, &(frequency, ..)| {
+        let (low, high) = found.unwrap_or((frequency, frequency));
+        Some((low.min(frequency), high.max(frequency)))
+    })
 }
 
-/// An amplitude in micrometres.
-fn micro(swept: &Swept, which: usize) -> Point {
-    (swept.0, 1e6 * swept.1[which])
+/// Pieces of a curve that are stable throughout or unstable; neighbours share a point.
+fn pieces(curve: &[Motion]) -> Vec<(bool, Vec<Point>)> {
+    let mut pieces: Vec<(bool, Vec<Point>)> = Vec::new();
+    for &(frequency, amplitude, is_stable) in curve {
+        let point = (frequency, 1e6 * amplitude);
+        match pieces.last_mut() {
+            Some((stable, points)) if *stable == is_stable => points.push(point),
+            last => {
+                let before = last.and_then(|(_, points)| points.last().copied());
+                pieces.push((is_stable, before.into_iter().chain([point]).collect()));
+            }
+        }
+    }
+    pieces
 }
 
 pub(crate) fn beam() -> Result<Figure> {
-    let sweeps = sweeps()?;
+    let curves = curves()?;
     let (natural, _) = bolted_beam::second_mode().ok_or("no second mode")?;
-    let decay = bolted_beam::decay(40, 4)?;
-    let ranges = sweeps.iter().zip(FORCES).filter_map(|(both, force)| {
-        let (low, high) = apart(both)?;
+    let decay = bolted_beam::decay(40, 8)?;
+    let ranges = curves.iter().zip(FORCES).filter_map(|(curve, force)| {
+        let (low, high) = between_folds(curve)?;
         Some(format!("at {force} N from {low:.1} to {high:.1} Hz"))
     });
     let ranges: Vec<String> = ranges.collect();
     let forces = FORCES.map(|force| force.to_string()).join(", ");
     let caption = format!(
-        "A beam of {SHAPES} shapes on six elastic pads with dry friction, which slip and open: \
-         example bolted_beam. (a) Amplitude of its second bending shape under forces of {forces} N \
-         (numbers at the curves), swept downwards and upwards; bars: the amplitudes of 40 periods \
-         where the motion has not become periodic after 150. The sweeps differ {}: at the lower \
-         end of such a range, or below the frequencies shown, the downward sweep jumps, at its \
-         upper end the upward one. Grey: the frequency with all pads closed and stuck. (b) Damping \
-         ratio over amplitude, of a free decay, over 40 periods at a time.",
+        "A beam of {SHAPES} shapes on six elastic pads with dry friction, one of which is pressed \
+         loosely, slips and opens: example bolted_beam. (a) Amplitude of its second bending shape \
+         under forces of {forces} N (numbers at the curves), followed from the highest frequency \
+         through the folds; dashed: unstable motions, {}. Grey: the frequency with all pads closed \
+         and stuck. (b) Damping ratio over amplitude, of a free decay, over 40 periods at a time: \
+         at large amplitudes all pads slip and open.",
         ranges.join(", ")
     );
     svg((860, 420), &caption, |area| {
         let halves = area.split_evenly((1, 2));
-        let ends = 1165.0..1215.0;
         let axes = [
-            Axis::new("frequency in Hz", ends, 0).ticks(5),
-            Axis::new("amplitude in µm", 0.0..180.0, 0),
+            Axis::new("frequency in Hz", WHOLE, 0).ticks(5),
+            Axis::new("amplitude in µm", 0.0..70.0, 0),
         ];
-        let mut panel = Panel::new(&halves[0], "(a)  swept both ways", axes)?;
+        let mut panel = Panel::new(&halves[0], "(a)  resonance", axes)?;
         panel.vertical(natural, Stroke::dashed(GREY, 1.0, [3, 3]))?;
-        let strokes = [Stroke::solid(VERMILLION, 1.5), Stroke::solid(BLUE, 2.5)];
-        // Upward sweeps over the others: where both agree, both are seen.
-        for both in &sweeps {
-            for (sweep, stroke) in both.iter().zip(strokes).rev() {
-                let middle = sweep.iter().map(|swept| {
-                    let [low, high] = [0, 1].map(|which| micro(swept, which));
-                    (low.0, 0.5 * (low.1 + high.1))
-                });
-                panel.line(&middle.collect::<Vec<Point>>(), stroke)?;
-                for swept in sweep.iter().filter(|swept| swept.1[1] > 1.01 * swept.1[0]) {
-                    panel.line(&[0, 1].map(|which| micro(swept, which)), stroke)?;
-                }
+        let strokes = [
+            Stroke::solid(BLUE, 2.0),
+            Stroke::dashed(VERMILLION, 1.5, [6, 4]),
+        ];
+        for (curve, force) in curves.iter().zip(FORCES) {
+            for (is_stable, points) in pieces(curve) {
+                panel.line(&points, strokes[usize::from(!is_stable)])?;
             }
+            let top = curve.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            let top = top.ok_or("an empty curve")?;
+            panel.label(
+                &force.to_string(),
+                (top.0, 1e6 * top.1),
+                (-4.0, -8.0),
+                BLACK,
+            )?;
         }
-        for ([_, down], force) in sweeps.iter().zip(FORCES) {
-            let end = micro(&down[0], 0);
-            panel.label(&force.to_string(), end, (6.0, 0.0), BLACK)?;
-        }
-        let key = [(strokes[1], "downwards"), (strokes[0], "upwards")];
-        panel.key((0.66, 0.08), &key)?;
+        panel.key(
+            (0.05, 0.08),
+            &[(strokes[0], "stable"), (strokes[1], "unstable")],
+        )?;
         panel.finish()?;
 
         let axes = [
-            Axis::new("amplitude in µm", 0.0..120.0, 0),
-            Axis::new("damping ratio ζ in %", 0.0..0.5, 1).ticks(6),
+            Axis::new("amplitude in µm", 0.0..250.0, 0),
+            Axis::new("damping ratio ζ in %", 0.0..0.15, 2).ticks(4),
         ];
         let mut panel = Panel::new(&halves[1], "(b)  damping over amplitude", axes)?;
         let line: Vec<Point> = decay.iter().map(|at| (1e6 * at[0], 1e2 * at[2])).collect();

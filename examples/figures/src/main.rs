@@ -17,7 +17,7 @@
 //!   compared with dry friction, which is their limit;
 //! * `joint.rs`: exact resonance curves of a mass on a spring with a slider, compared with
 //!   first-harmonic theory;
-//! * `beam.rs`: sweeps that take minutes, read from the file that the example `bolted_beam` writes;
+//! * `beam.rs`: curves that take minutes, read from the file that the example `bolted_beam` writes;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady
 //!   sliding over a parameter;

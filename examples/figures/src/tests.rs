@@ -100,28 +100,28 @@ fn caption_has_the_exact_borders() {
     }
 }
 
-/// The kept sweeps of the beam are those that the example computes today: the beginning of each.
+/// The kept curves of the beam are those that the example computes today: the beginning of each.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
-fn sweeps_of_the_beam_are_reproduced() {
-    let kept = beam::sweeps().unwrap();
-    for (force, both) in bolted_beam::FORCES.into_iter().zip(&kept) {
-        for sweep in both {
-            assert_eq!(sweep.len(), 25);
-            let frequencies = sweep.iter().map(|swept| swept.0);
-            let today = bolted_beam::swept(force, frequencies.take(2)).unwrap();
-            for (old, new) in sweep.iter().zip(today) {
-                for (old, new) in old.1.into_iter().zip(new.1) {
-                    assert!(
-                        (new / old - 1.0).abs() < TOLERANCE,
-                        "{force} N: {old}, now {new}"
-                    );
-                }
+fn curves_of_the_beam_are_reproduced() {
+    for (force, kept) in bolted_beam::FORCES
+        .into_iter()
+        .zip(&beam::curves().unwrap())
+    {
+        let today = bolted_beam::resonance(force, bolted_beam::WHOLE, 20).unwrap();
+        let today: Vec<_> = bolted_beam::points(&today).collect();
+        assert_eq!(today.len(), 21);
+        for (old, new) in kept.iter().rev().zip(today.into_iter().rev()) {
+            for (old, new) in [(old.0, new.0), (old.1, new.1)] {
+                assert!(
+                    (new / old - 1.0).abs() < TOLERANCE,
+                    "{force} N: {old}, now {new}"
+                );
             }
         }
-        // A range with two motions at the largest force.
-        let apart = beam::apart(both);
-        assert!(force < 60.0 || apart.is_some_and(|(low, high)| high - low > 10.0));
+        // Wide folds at the largest force.
+        let folds = beam::between_folds(kept);
+        assert!(force < 4.0 || folds.is_some_and(|(low, high)| high - low > 3.0));
     }
     // Its lines have few points.
     assert!(points_in_the_picture(&drawn("bolted_beam").svg) > 200);
