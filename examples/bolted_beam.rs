@@ -1,5 +1,5 @@
-//! A beam that is pressed by springs on six elastic pads, one of them loosely. The vibration under a
-//! harmonic force is followed through its second resonance, which bends because the loose pad
+//! A beam that is pressed by springs on six elastic pads, one of them loosely. The vibration under
+//! a harmonic force is followed through its second resonance, which bends because the loose pad
 //! opens. A free decay gives the damping over the amplitude.
 //!
 //! What to learn from it:
@@ -8,13 +8,13 @@
 //!   shapes of a beam with a step in its thickness, so M and K are full. A contact is given by two
 //!   rows of shape functions: the displacement of the surface along the pad, and the displacement
 //!   into the pad;
-//! * each pad is an elastic contact with a normal spring. Up to an amplitude all pads stick, and the
-//!   beam is linear. Above it the loose pad slips and opens, and the frequency falls. At large
+//! * each pad is an elastic contact with a normal spring. Up to an amplitude all pads stick, and
+//!   the beam is linear. Above it the loose pad slips and opens, and the frequency falls. At large
 //!   amplitudes the other pads slip, too, and damp the vibration;
 //! * `orbit::follow` starts above the resonance, where there is one motion, and finds all motions
 //!   connected with it, through two folds and into the linear range. Between the folds there are
-//!   three motions at each frequency, and the middle one is unstable: neither sweeps nor simulations
-//!   reach it;
+//!   three motions at each frequency, and the middle one is unstable: neither sweeps nor
+//!   simulations reach it;
 //! * the folds are computed to round-off, not read from a curve.
 //!
 //! Run it with `cargo run --release --example bolted_beam`; it takes a minute. With a file name
@@ -194,8 +194,8 @@ const RANGE: Range<f64> = 1225.9..1229.8;
 /// Periods after which the vibration is nearly periodic.
 const TRANSIENT: f64 = 2000.0;
 
-/// The resonance curve of a force, followed from the highest frequency, where the loose pad slips in
-/// both directions, to at most so many other motions.
+/// The resonance curve of a force, followed from the highest frequency, where the loose pad slips
+/// in both directions, to at most so many other motions.
 pub(crate) fn resonance(
     force: f64,
     range: Range<f64>,

@@ -95,7 +95,7 @@ pub(crate) fn beam() -> Result<Figure> {
             )?;
         }
         panel.key(
-            (0.05, 0.08),
+            (0.5, 0.08),
             &[(strokes[0], "stable"), (strokes[1], "unstable")],
         )?;
         panel.finish()?;
