@@ -38,13 +38,16 @@ use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
-/// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
+/// Drift dA/dτ of the amplitude A ≥ 0 of a vibration, dimensionless.
+///
+/// The page [`averaging`](self) has the formula. It holds for any law and any v_b. The
+/// error is O(ε²), with ε of [`analysis`](super).
 ///
 /// For Coulomb's law on a belt at rest, without damping, the drift is −2γ²μ_k/π: the amplitude
 /// falls by 4γ²μ_k in each cycle.
 ///
-/// The formula holds for any law, both signs of v_b, and v_b = 0. Source: Farshidianfar and Noei
-/// Aghaee, Eq. 12, corrected: the printed right sides are not averaged over a cycle.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the printed right sides are not
+/// averaged over a cycle.
 ///
 /// # Errors
 ///
@@ -68,9 +71,11 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
     Ok(SlowFlow::at(&system.belt(), amplitude, 0.0)?.drift(amplitude))
 }
 
-/// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the growth rate of a
-/// perturbation of the amplitude. Error O(ε²). If v_b ≠ 0 and μ̂(0) > 0, the slope tends to −∞ as A
-/// falls to |v_b|.
+/// Slope dA'/dA of the [`drift`] A' at the amplitude A ≥ 0, dimensionless: the growth rate of a
+/// perturbation of the amplitude.
+///
+/// The error is O(ε²), as for the drift. If v_b ≠ 0 and μ̂(0) > 0, the slope tends to −∞ as A falls
+/// to |v_b|.
 ///
 /// # Errors
 ///
@@ -206,12 +211,13 @@ fn slope_integrals(
     Ok(total)
 }
 
-/// A cycle of the averaged equation: an amplitude A > 0 at which A' = 0.
+/// A cycle of the averaged equation: an amplitude A > 0 at which the [`drift`] A' is 0.
 ///
 /// The motion is z = A sin ψ about the equilibrium, with period 2π. All quantities are
-/// dimensionless. For ε see [`analysis`](super). Errors are O(ε²) in the amplitude (half the range
-/// of u, or the largest velocity) and in the period, and O(ε³) in the multiplier. The error of the
-/// mean displacement is O(ε), because the exact motion is not centred on the equilibrium.
+/// dimensionless. For ε see [`analysis`](super); the other symbols are those of the [crate
+/// page](crate#the-mass-on-its-belt). Errors are O(ε²) in the amplitude (half the range of u, or
+/// the largest velocity) and in the period, and O(ε³) in the multiplier. The error of the mean
+/// displacement is O(ε), because the exact motion is not centred on the equilibrium.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: 4/3 replaces the printed 3/4),
 /// extended to any law and to cycles in which the mass overtakes the belt.
@@ -262,9 +268,10 @@ impl AveragedCycle {
 }
 
 /// All cycles of the averaged equation, stable and unstable, by ascending amplitude, including
-/// cycles in which the mass overtakes the belt. A stick-slip cycle that exists only because
-/// μ_s > μ̂(0), as for Coulomb's law, is not included, because the averaged equation does not
-/// contain μ_s.
+/// cycles in which the mass overtakes the belt.
+///
+/// A stick-slip cycle that exists only because μ_s > μ̂(0), as for Coulomb's law, is not included,
+/// because the averaged equation does not contain μ_s.
 ///
 /// # What "all" means
 ///
@@ -272,14 +279,15 @@ impl AveragedCycle {
 /// the velocity of the mass is between 0 and that of the belt, at sliding speeds below |v_b|. If A
 /// ≥ 2|v_b|, the mass reaches each of these sliding speeds also while it is faster than the belt.
 /// Friction then dissipates more energy than it supplies.) The search covers 0 < A < 2|v_b|. Let
-/// A_i be the least amplitudes at which the mass reaches the belt velocity, or its sliding speed a
-/// breakpoint of the law. Between two successive A_i, A'/A is analytic in √(A² − A_i²), and is
-/// interpolated by Chebyshev polynomials to round-off. The intervals are divided until A'/A has no
-/// root or is monotone on each. No cycle is missed, except
+/// A_i be the amplitudes at which the largest or the least velocity of the mass is the belt
+/// velocity, or a velocity whose sliding speed is a breakpoint of the law. Between two successive
+/// A_i, A'/A is analytic in √(A² − A_i²), and is interpolated by Chebyshev polynomials to
+/// round-off. The intervals are divided until A'/A has no root or is monotone on each. No cycle is
+/// missed, except
 ///
-/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than 10⁻¹⁴(β +
-///   γ²·max abs(dμ̂/ds)), which bounds the rounding error of A'/A. Near folds of the exponential
-///   law a pair may be missed if its amplitudes differ by less than about 10⁻⁶|v_b|;
+/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than its rounding
+///   error, at most 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)). Near folds of the exponential law a pair may be
+///   missed if its amplitudes differ by less than about 10⁻⁶|v_b|;
 /// * a cycle caused by a feature of the law's slope that is narrower than about 3·10⁻⁴|v_b| in
 ///   sliding speed (low speeds are sampled more densely).
 ///

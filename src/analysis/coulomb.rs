@@ -1,5 +1,7 @@
-//! Closed forms for Coulomb's law: static coefficient μ_s, kinetic coefficient μ_k. The other
-//! symbols are those of the [crate page](crate#the-mass-on-its-belt).
+//! Closed forms for Coulomb's law: stick-slip, its borders, and free vibration.
+//!
+//! The law has the static coefficient μ_s and the kinetic coefficient μ_k. The other symbols are
+//! those of the [crate page](crate#the-mass-on-its-belt).
 
 use std::f64::consts::PI;
 
@@ -11,9 +13,11 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase at v_b = γ²(μ_s − μ_k)Λ, the largest belt velocity with a stick-slip cycle. At
-/// the end of this phase the velocity of the mass reaches the belt velocity tangentially. The
-/// duration s and the factor Λ depend on the damping ratio β alone.
+/// The slip phase at the largest belt velocity with a stick-slip cycle.
+///
+/// This belt velocity is γ²(μ_s − μ_k)Λ. At the end of the phase the velocity of the mass reaches
+/// the belt velocity tangentially. The duration s and the factor Λ depend on the damping ratio β
+/// alone.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -51,8 +55,10 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     })
 }
 
-/// Belt velocity γ²(μ_s − μ_k)Λ(β), with Λ from [`tangential_slip`]: a stick-slip cycle exists for
-/// every |v_b| > 0 below this value. Dimensionless, exact.
+/// Belt velocity below which there is a stick-slip cycle, dimensionless. Exact.
+///
+/// This velocity is γ²(μ_s − μ_k)Λ(β), with the factor Λ of [`tangential_slip`]. There is a
+/// stick-slip cycle for every |v_b| > 0 below it.
 ///
 /// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or
 /// μ_s = μ_k. The system's own v_b is ignored.
@@ -75,10 +81,12 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     tangential_slip(system.damping()).map_or(f64::INFINITY, |slip| jump * slip.velocity_factor)
 }
 
-/// The least damping ratio β with which there is no stick-slip cycle at the system's belt velocity:
-/// the root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1; it is
-/// 0 if μ_s = μ_k or if the root is too small for an `f64`. `None` if v_b = 0. The system's own β
-/// is ignored. For other laws see
+/// The least damping ratio β with which there is no stick-slip cycle at the system's belt velocity.
+/// Dimensionless, exact.
+///
+/// It is the root of γ²(μ_s − μ_k)Λ(β) = |v_b|, with the factor Λ of [`tangential_slip`]. The
+/// result lies in 0 < β < 1; it is 0 if μ_s = μ_k or if the root is too small for an `f64`. `None`
+/// if v_b = 0. The system's own β is ignored. For other laws see
 /// [`bifurcation::silencing_damping`](crate::bifurcation::silencing_damping).
 ///
 /// ```
@@ -114,9 +122,10 @@ pub fn silencing_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
     root_between(&mut residual, 0.0, 1.0).ok()
 }
 
-/// Damping ratio above which there is no vibration at any belt velocity: 1 if μ_s > μ_k, and 0 if
-/// μ_s = μ_k (vibrations then last only without damping). Dimensionless, exact. The system's own
-/// v_b and β are ignored.
+/// Damping ratio above which there is no vibration at any belt velocity. Dimensionless, exact.
+///
+/// It is 1 if μ_s > μ_k, and 0 if μ_s = μ_k (vibrations then last only without damping). The
+/// system's own v_b and β are ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::silencing_damping_everywhere;
@@ -131,9 +140,10 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
     if force_jump(system) > 0.0 { 1.0 } else { 0.0 }
 }
 
-/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`] if β > 0, and ∞ if
-/// β = 0, because small vibrations then last at every belt velocity. Dimensionless, exact. The
-/// system's own v_b is ignored.
+/// Belt velocity above which no vibration lasts. Dimensionless, exact.
+///
+/// It is [`largest_stick_slip_velocity`] if β > 0. If β = 0 it is ∞, because small vibrations then
+/// last at every belt velocity. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::quiet_velocity;
@@ -152,8 +162,9 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     }
 }
 
-/// The stick-slip cycle, with or without damping. Exact; if there is damping, one equation is
-/// solved numerically, to rounding.
+/// The stick-slip cycle, with or without damping. Exact.
+///
+/// If there is damping, one equation is solved numerically, to rounding.
 ///
 /// Without damping, in dimensionless form with F = γ²(μ_s − μ_k):
 ///
@@ -199,13 +210,12 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
     system.load() * (law.static_coefficient() - law.kinetic_coefficient())
 }
 
-/// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until
-/// static friction holds the mass.
+/// Undamped free vibration on a belt at rest, until static friction holds the mass.
 ///
-/// Between two turning points the mass vibrates for half a period π about −γ²μ_k (forward motion)
-/// or γ²μ_k (backward motion). The turning points are u_n = (−1)ⁿ·sgn(u_0)·(|u_0| − 2nγ²μ_k),
-/// n = 0, 1, …. The mass comes to rest at the first turning point with |u| ≤ γ²μ_s. Dimensionless,
-/// exact.
+/// The amplitude falls by 4γ²μ_k in each cycle. Between two turning points the mass vibrates for
+/// half a period π about −γ²μ_k (forward motion) or γ²μ_k (backward motion). The turning points are
+/// u_n = (−1)ⁿ·sgn(u_0)·(|u_0| − 2nγ²μ_k), n = 0, 1, …. The mass comes to rest at the first turning
+/// point with |u| ≤ γ²μ_s. Dimensionless, exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;

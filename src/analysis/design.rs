@@ -24,16 +24,19 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 
-/// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
-/// dμ̂/ds), with the slope of the law at the sliding speed |v_b|. Dimensionless, exact. `None` if
-/// v_b = 0. The system's own β is ignored.
+/// Damping ratio above which steady sliding at the system's belt velocity is stable. Dimensionless,
+/// exact.
+///
+/// It is max(0, −½γ² dμ̂/ds), with the friction load γ² and the slope dμ̂/ds of the law at the
+/// sliding speed |v_b|. `None` if v_b = 0. The system's own β is ignored.
 ///
 /// With more damping, small disturbances decay. For the polynomial law, large disturbances also
 /// decay if friction is weak compared with the spring. If a law falls more steeply at other speeds
 /// (exponential), or jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although steady
 /// sliding is stable.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14: steady sliding is stable if 2β + γ² dμ̂/ds > 0.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14: the eigenvalues of steady sliding have negative
+/// real parts if 2β + γ² dμ̂/ds > 0.
 ///
 /// ```
 /// use stick_slip::analysis::design::stabilizing_damping;
@@ -52,9 +55,11 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
     (speed > 0.0).then(|| (-0.5 * system.load() * system.law().slope(speed)).max(0.0))
 }
 
-/// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ² times
-/// the largest −dμ̂/ds there, or 0 if the law does not fall. Dimensionless, exact to rounding. The
-/// system's own v_b and β are ignored.
+/// Damping ratio above which steady sliding is stable at every belt velocity in a range.
+/// Dimensionless, exact to rounding.
+///
+/// It is ½γ² times the largest −dμ̂/ds in this range, or 0 if the law does not fall there. (γ² is
+/// the friction load, dμ̂/ds the slope of the law.) The system's own v_b and β are ignored.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
@@ -63,8 +68,8 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end and both are finite, or if the range is so
-///   long that the law takes more than 10⁴ power series;
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end and both are finite, or if the expansion of
+///   the law over the range takes more than 10⁴ power series;
 /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
 ///   power series at a speed in the range.
 ///

@@ -40,14 +40,16 @@ pub struct TwoInertias {
 }
 
 impl TwoInertias {
-    /// Returns true if steady rotation is stable, where d = dT/dω is the slope of the friction
-    /// torque at the angular velocity of this rotation:
+    /// Returns true if steady rotation is stable. Exact.
+    ///
+    /// The argument is the slope d = dT/dω of the friction torque at the angular velocity ω of this
+    /// rotation. The conditions are
     ///
     /// ```text
     /// J_u b_u d² + (J_u²k + J_l b_u²) d + J_l² b_u k > 0,   b_u + d > 0,   J_u d + J_l b_u > 0
     /// ```
     ///
-    /// Exact. The eigenvalue 0, a rotation of the whole string by a constant angle, is not counted.
+    /// The eigenvalue 0, a rotation of the whole string by a constant angle, is not counted.
     pub fn is_stable(&self, slope: f64) -> bool {
         let [a, b, c] = self.quadratic();
         (a * slope + b) * slope + c > 0.0

@@ -3,10 +3,11 @@
 //!
 //! The system is a mass m with a spring k and a damper c, pressed by the load N on a belt of
 //! velocity v. Let F_s(θ) = N μ_s(θ), where θ is the duration of stick, and F_k = N μ_k. Without
-//! damping, successive durations of stick follow the return map in the first line:
+//! damping, successive durations of stick θ_n follow a return map. Its fixed point θ* is the
+//! duration of stick in the stick-slip cycle:
 //!
 //! ```text
-//! k v θ_{n+1} = [F_s(θ_n) − F_k] + [F_s(θ_{n+1}) − F_k]
+//! return map    k v θ_{n+1} = [F_s(θ_n) − F_k] + [F_s(θ_{n+1}) − F_k]
 //! fixed point   F_s(θ*) − F_k = k v θ*/2
 //! multiplier    F_s'(θ*)/(kv − F_s'(θ*)),   stable if F_s'(θ*) < kv/2
 //! slip          (2/ω)(π − atan(ω θ*/2)),    ω = √(k/m)
@@ -24,13 +25,18 @@
 //! | exponential | 2ΔF/(kθ_c) | θ_c[a/q + W0(−e^{−a/q}/q)], q = kvθ_c/(2ΔF), a = 1 + F_0/ΔF |
 //! | logarithmic | 2NB/(kθ_c) | −θ_c[1 + W−1(−q e^{−q−a})/q], q = kvθ_c/(2NB), a = F_0/(NB) |
 //!
-//! W0 and W−1 are the branches of Lambert's function. With damping, the slip phase is a part of a
-//! damped vibration. Each slip arc belongs to one duration of stick and to one belt velocity, so
-//! the cycles form one curve in the plane of these two quantities. The curve is known in closed
-//! form. Along it the belt velocity has one maximum, the fold, at which a stable and an unstable
-//! cycle meet. The unstable cycle exists down to the belt velocity N(μ_s(θ) − μ_k)Λω/k. At this
-//! velocity the mass reaches the belt velocity tangentially at the end of slip, and ωθ = 1/Λ, with
-//! Λ from [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
+//! W0 and W−1 are the branches of Lambert's function.
+//!
+//! With damping, the slip phase is a part of a damped vibration. In units of time 1/ω and length
+//! v/ω, all possible slip phases form a family with one parameter. A value of this parameter
+//! determines the duration of stick θ and, with F_s(θ), the belt velocity v. The cycles therefore
+//! form a curve in the plane of θ and v, which is known in closed form. Along the curve v has one
+//! maximum, the fold, at which a stable and an unstable cycle meet.
+//!
+//! The unstable cycle exists down to the belt velocity N(μ_s(θ_g) − μ_k)Λω/k. At this velocity the
+//! mass reaches the belt velocity tangentially at the end of slip. Λ is the factor of
+//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip) for the damping ratio c/(2√(km)),
+//! and θ_g = 1/(Λω) is the duration of stick.
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
 //! Wear 173 (1994) 1-12, for the criterion; the other formulas follow from the exact solution of
@@ -45,7 +51,9 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 
 /// A mass with a spring and a damper on a belt, with static friction that rises during stick and
-/// constant kinetic friction. Any consistent units may be used.
+/// constant kinetic friction.
+///
+/// The page [`dwell`](self) has the formulas. Any consistent units may be used.
 ///
 /// ```
 /// use stick_slip::analysis::dwell::DwellOscillator;
@@ -94,10 +102,12 @@ pub struct DwellOscillator {
 const LARGEST: f64 = 1e150;
 
 impl DwellOscillator {
-    /// Belt velocity v_c = 2 F_s'(0)/k below which stick-slip exists without damping (Gao's
-    /// criterion). Exact.
+    /// Belt velocity below which stick-slip exists without damping (Gao's criterion). Exact.
     ///
-    /// The result is ∞ if μ_s(0) > μ_k. `None` if the oscillator is damped (use
+    /// This velocity is v_c = 2N μ_s'(0)/k, with the rate μ_s'(0) at which static friction rises at
+    /// the beginning of stick.
+    ///
+    /// If μ_s(0) > μ_k, the result is ∞. `None` if the oscillator is damped (use
     /// [`fold`](Self::fold)), or if a field is out of its range.
     pub fn critical_velocity(&self) -> Option<f64> {
         self.oscillator().filter(|of| of.damping == 0.0)?;
@@ -177,10 +187,11 @@ impl DwellOscillator {
         self.cycle(&of, self.velocity(&of, p), p)
     }
 
-    /// The lowest belt velocity with an unstable cycle: N(μ_s(θ) − μ_k)Λω/k, with ωθ = 1/Λ and Λ
-    /// from [`tangential_slip`](super::coulomb::tangential_slip). At this velocity the mass reaches
-    /// the belt velocity tangentially at the end of slip. Exact. `None` if there is no damping, if
-    /// c ≥ 2√(km), or if a field is out of its range.
+    /// The belt velocity down to which an unstable cycle exists. Exact.
+    ///
+    /// At this velocity the mass reaches the belt velocity tangentially at the end of slip. The
+    /// page [`dwell`](self) has the formula. `None` if there is no damping, if c ≥ 2√(km), or if a
+    /// field is out of its range.
     pub fn grazing_velocity(&self) -> Option<f64> {
         let of = self.oscillator().filter(|of| of.damping > 0.0)?;
         Some(self.velocity(&of, tangential(&of)))

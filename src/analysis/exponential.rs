@@ -1,7 +1,9 @@
-//! Closed forms for the exponential law μ̂(s) = μ_k + (μ_s − μ_k)e^{−(s/v_s)²}, Eq. 6 of
-//! Farshidianfar and Noei Aghaee: the belt velocities at which steady sliding changes its
-//! stability, and the damping that ends all vibration. The other symbols are those of the [crate
-//! page](crate#the-mass-on-its-belt).
+//! Closed forms for the exponential law: the belt velocities at which steady sliding changes its
+//! stability, and the damping that ends all vibration.
+//!
+//! The law is μ̂(s) = μ_k + (μ_s − μ_k)e^{−(s/v_s)²} (Farshidianfar and Noei Aghaee, Eq. 6), with
+//! the static coefficient μ_s, the kinetic coefficient μ_k and the Stribeck velocity v_s. The other
+//! symbols are those of the [crate page](crate#the-mass-on-its-belt).
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
@@ -12,8 +14,9 @@ use crate::numerics::bracket::root_between;
 /// A belt velocity at which steady sliding gains or loses stability, with the type of this
 /// bifurcation.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14: 2β + γ²μ̂'(v) = 0. The sign of the cubic term
-/// −γ²μ̂'''(v)A³/16 of the [averaged equation](super::averaging) decides the type.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14: the eigenvalues of steady sliding are imaginary
+/// if 2β + γ²μ̂'(v) = 0, with the slope μ̂' of the law at the belt velocity v. The sign of the
+/// cubic term −γ²μ̂'''(v)A³/16 of the [averaged equation](super::averaging) decides the type.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -27,22 +30,25 @@ impl HopfPoint {
     }
 
     /// Returns true if the point is supercritical: a small stable cycle exists where steady sliding
-    /// is unstable (μ̂''' > 0, that is |v_b| < √(3/2) v_s). Otherwise a small unstable cycle exists
-    /// where steady sliding is stable, and a disturbance larger than this cycle leads to a large
-    /// vibration. Exact.
+    /// is unstable (μ̂''' > 0, that is |v_b| < √(3/2) v_s, with the Stribeck velocity v_s of the
+    /// law). Otherwise a small unstable cycle exists where steady sliding is stable, and a
+    /// disturbance larger than this cycle leads to a large vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
         self.is_supercritical
     }
 }
 
-/// The two belt velocities v_low < v_high between which steady sliding is unstable: the roots of
+/// The two belt velocities v_low < v_high between which steady sliding is unstable. Dimensionless,
+/// exact to rounding.
+///
+/// They are the roots v of
 ///
 /// ```text
 /// x e^{−x²} = c,   x = v/v_s,   c = β v_s/(γ²(μ_s − μ_k))
 /// ```
 ///
-/// one below and one above x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots
-/// are ill-conditioned). The system's own v_b is ignored.
+/// one below and one above x = 1/√2, with the symbols of [`exponential`](self). Near c = 1/√(2e)
+/// both roots are ill-conditioned. The system's own v_b is ignored.
 ///
 /// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
 /// if β = 0: steady sliding is then unstable at every belt velocity or, if friction is constant
@@ -88,9 +94,11 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
     }))
 }
 
-/// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity.
+/// Damping ratio above which there is no vibration at any belt velocity, dimensionless.
+///
+/// It is γ²(μ_s − μ_k)/(v_s √(2e)), with the symbols of [`exponential`](self) and Euler's number e.
 /// At this ratio the damper exactly balances the steepest fall of friction, which is at the sliding
-/// speed v_s/√2. Dimensionless. The system's own v_b and β are ignored.
+/// speed v_s/√2. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
 /// energy. There is no vibration at exactly this damping ratio either. The exception is μ_s = μ_k:
@@ -114,10 +122,12 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
     system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
 }
 
-/// Belt velocity above which no vibration lasts, dimensionless: 0 if β is at least
-/// [`silencing_damping_everywhere`], and ∞ if β = 0. `None` if β lies between 0 and this damping
-/// ratio, because no formula is known: above the higher Hopf velocity a stick-slip vibration can
-/// exist although steady sliding is stable. The system's own v_b is ignored.
+/// Belt velocity above which no vibration lasts, dimensionless.
+///
+/// It is 0 if β is at least [`silencing_damping_everywhere`], and ∞ if β = 0. `None` if β lies
+/// between 0 and this damping ratio, because no formula is known: above the higher Hopf velocity a
+/// stick-slip vibration can exist although steady sliding is stable. The system's own v_b is
+/// ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

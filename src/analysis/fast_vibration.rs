@@ -20,9 +20,11 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{Coulomb, Polynomial};
 
-/// Mean friction coefficient of Coulomb's law under a fast vibration. v is the slow relative
-/// velocity, and w ≥ 0 the velocity amplitude of the vibration. The mean is μ_k(2/π) arcsin(v/w)
-/// for |v| < w, and μ_k sgn v for |v| ≥ w. Dimensionless, the limit for Ω → ∞.
+/// Mean friction coefficient of Coulomb's law under a fast vibration, dimensionless.
+///
+/// v is the slow relative velocity, and w ≥ 0 the velocity amplitude of the vibration. The mean is
+/// μ_k(2/π) arcsin(v/w) for |v| < w, and μ_k sgn v for |v| ≥ w. This is the limit of a vibration of
+/// infinitely high frequency.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -44,14 +46,17 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
     }
 }
 
-/// Belt velocity v above which steady sliding is stable under a fast vibration, for the cubic law:
-/// v² = v_m²(1 − 2β/η) − w²/2, with the velocity amplitude w ≥ 0 of the vibration, the damping
-/// ratio β, the sliding speed v_m of least friction, and [`η`](PureSlip::eta). Dimensionless, the
-/// limit for Ω → ∞.
+/// Belt velocity v above which steady sliding is stable under a fast vibration, for the cubic law.
+/// Dimensionless.
 ///
-/// `None` if v ≤ w, because the formula does not hold there; if steady sliding is stable at every
-/// belt velocity above w; or if w is negative or NaN. The system's own v_b is ignored. For w = 0
-/// the result is [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
+/// v² = v_m²(1 − 2β/η) − w²/2, with the velocity amplitude w ≥ 0 of the vibration, the damping
+/// ratio β, the sliding speed v_m of least friction, and [`η`](PureSlip::eta). This is the limit of
+/// a vibration of infinitely high frequency.
+///
+/// The formula holds for v > w. If it gives no such v, steady sliding is stable at every belt
+/// velocity above w, and the result is `None`. `None` also if w is negative or NaN. The system's
+/// own v_b is ignored. For w = 0 the result is
+/// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
 ///
 /// ```
 /// use stick_slip::analysis::fast_vibration::onset_velocity;

@@ -58,14 +58,15 @@ pub struct ForcedOscillator {
     pub force: f64,
 }
 
-/// The periodic motion with two turning points in each period, at ±A, and without stops. Exact.
+/// The periodic motion of a [`ForcedOscillator`] with two turning points in each period, at ±A, and
+/// without stops. Exact.
 ///
 /// ```text
 /// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
 /// ```
 ///
-/// on the half period that follows the largest displacement, with constants C, D, P and S; the
-/// other half period is the mirror image.
+/// on the half period that follows the largest displacement. C, D, P and S are constants; the other
+/// symbols are those of [`ForcedOscillator`]. The other half period is the mirror image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WithoutStops {
     oscillator: ForcedOscillator,
@@ -207,9 +208,12 @@ impl WithoutStops {
     }
 }
 
-/// Largest F/p with which the undamped oscillator (ζ = 0, F_s = F) moves without stops at the
-/// angular frequency Ω (in units of ω0). Dimensionless, exact. `None` unless Ω is positive and
-/// finite, and Ω² neither overflows nor underflows.
+/// Largest ratio of friction to force with which an undamped oscillator moves without stops.
+/// Dimensionless, exact.
+///
+/// The ratio is F/p, with the symbols of [`ForcedOscillator`]; damping is ζ = 0, and static
+/// friction equals kinetic friction, F_s = F. The argument is the angular frequency Ω of the force,
+/// in units of ω0. `None` unless Ω is positive and finite, and Ω² neither overflows nor underflows.
 ///
 /// ```text
 /// √(V²/(U² + (S/Ω²)²)),   V = 1/(1 − Ω²),   U = sin(π/Ω)/(Ω(1 + cos(π/Ω)))

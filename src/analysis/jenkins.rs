@@ -1,6 +1,7 @@
 //! The Jenkins element, a spring in series with a dry slider: its hysteresis, its first harmonic,
-//! and the exact response of one mass with such an element to a harmonic force. The element is a
-//! model of an elastic dry contact.
+//! and the exact response of one mass with such an element to a harmonic force.
+//!
+//! The element is a model of an elastic dry contact.
 //!
 //! ```text
 //! stick:  T' = k_t x'  while |T| ≤ F_s            slip:  T = F_s sgn x'
@@ -25,9 +26,12 @@ use std::f64::consts::PI;
 pub use crate::friction::Iwan4;
 pub use response::SymmetricResponse;
 
-/// Energy dissipated in one cycle between the displacements −A and A, the area of the hysteresis
-/// loop: 4F_s(A − F_s/k_t). It is 0 for A ≤ F_s/k_t, because the slider does not move. Exact, in
-/// units of force times displacement. NaN unless all three arguments are positive and finite.
+/// Energy that the element dissipates in one cycle between the displacements −A and A: the area of
+/// the hysteresis loop.
+///
+/// It is 4F_s(A − F_s/k_t), with the stiffness k_t and the limit F_s of the element. For A ≤
+/// F_s/k_t it is 0, because the slider does not move. Exact, in units of force times displacement.
+/// NaN unless all three arguments are positive and finite.
 ///
 /// ```
 /// use stick_slip::analysis::jenkins::loop_area;
@@ -43,9 +47,12 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
     4.0 * limit * (amplitude - limit / tangential_stiffness).max(0.0)
 }
 
-/// The first harmonic of the force for x = A cos ωt, as the triple (k_eq, c_eq, D). A spring of
-/// stiffness k_eq and a damper of constant c_eq in parallel have this force. D is the energy
-/// dissipated in one cycle ([`loop_area`]). Any consistent units may be used.
+/// The first harmonic of the force of the element under a harmonic displacement.
+///
+/// The displacement is x = A cos ωt, and the result is the triple (k_eq, c_eq, D). A spring of
+/// stiffness k_eq and a damper of constant c_eq in parallel have the force of the first harmonic. D
+/// is the energy dissipated in one cycle ([`loop_area`]). k_t is the stiffness and F_s the limit of
+/// the element. Any consistent units may be used.
 ///
 /// ```text
 /// cos θ = 1 − 2F_s/(k_t A),    D = 4F_s(A − F_s/k_t)
@@ -113,8 +120,12 @@ pub struct Backbone {
     pub damping_ratio: f64,
 }
 
-/// The backbone curve, at the amplitude A, of a mass m with a damper c, a spring k and a Jenkins
-/// element (stiffness k_t, limit F_s) in parallel. In the first-harmonic approximation:
+/// The point at one amplitude of the backbone curve of a mass with a damper, a spring and a Jenkins
+/// element in parallel.
+///
+/// The mass is m, the damper c, the spring k, and the amplitude A; the element has the stiffness
+/// k_t and the limit F_s. The first-harmonic approximation, with k_eq and c_eq of
+/// [`first_harmonic`], is
 ///
 /// ```text
 /// mω² = k + k_eq(A),   ζ = (c + c_eq(A))/(2mω)
@@ -159,8 +170,10 @@ pub fn backbone(
     })
 }
 
-/// The forces along a history of displacements, by Masing's rules: one force for each displacement,
-/// in the unit of F. The function F is `backbone`, the force of the first loading; it must be odd.
+/// The forces along a history of displacements, by Masing's rules: one force for each displacement.
+///
+/// `backbone` is the force F(x) of the first loading; it must be odd. The forces have the unit of
+/// F.
 ///
 /// The history starts at displacement 0 and force 0, and the displacement changes monotonically
 /// from each value to the next. The rules are exact for any number of Jenkins elements in parallel

@@ -1,6 +1,8 @@
 //! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass on bristles, and passivity
-//! (the bristles supply no energy). g is the friction law, σ0 the stiffness and σ1 the damping of
-//! the bristles, and σ2 the coefficient of viscous friction.
+//! (the bristles supply no energy).
+//!
+//! g is the friction law, σ0 the stiffness and σ1 the damping of the bristles, and σ2 the
+//! coefficient of viscous friction.
 //!
 //! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *A new model for control of
 //! systems with friction*, IEEE Trans. Automatic Control 40 (1995) 419-425, Eqs. 1-3; for passivity
@@ -11,8 +13,11 @@ use crate::error::Error;
 use crate::friction::memory::LuGre;
 use crate::friction::{AlongSlope, FrictionLaw};
 
-/// Steady sliding at a relative velocity r. In the second line z' is the time derivative of z, and
-/// g' the slope of the friction law g at |r|.
+/// Steady sliding at a relative velocity r, with the rate at which a perturbation of the bristles
+/// decays.
+///
+/// Symbols are those of [`LuGre`]: deflection z of the bristles, friction coefficient μ, friction
+/// law g. z' is the time derivative of z, and g' the slope of g at |r|.
 ///
 /// ```text
 /// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r
@@ -56,8 +61,11 @@ pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<
     })
 }
 
-/// The vibration of a mass m on bristles, with a spring k, a damper c and a load N. x is measured
-/// from the equilibrium; bristles are undeflected at x = x_0.
+/// The small vibration of a mass on bristles, with a spring and a damper.
+///
+/// m is the mass, k the stiffness of the spring, c the constant of the damper, N the normal load,
+/// and x the displacement from the equilibrium. The bristles have the stiffness σ0, the damping σ1
+/// and the viscous coefficient σ2. Their deflection z is 0 at x = x_0.
 ///
 /// ```text
 /// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0
@@ -71,9 +79,10 @@ pub struct ContactVibration {
     pub damping_ratio: f64,
 }
 
-/// The small vibration of a mass m on bristles, with a spring k, a damper c and a load N. The
-/// formulas are the limit for displacements small compared with g/σ0. Any consistent units may be
-/// used.
+/// The small vibration of a mass m on bristles, with a spring k, a damper c and a load N.
+///
+/// The formulas of [`ContactVibration`] hold in the limit of displacements that are small compared
+/// with g/σ0, the deflection of the bristles in steady sliding. Any consistent units may be used.
 ///
 /// `None` unless m and N are positive, k ≥ 0 and c ≥ 0, all finite.
 ///
@@ -111,8 +120,12 @@ pub fn contact_vibration<L: FrictionLaw>(
     (in_range && is_finite).then_some(vibration)
 }
 
-/// The viscous coefficient σ2, in the unit of σ1, at and above which the bristles are passive at
-/// all sliding speeds up to `max_speed`: they return at most the energy N·σ0 z²/2 stored in them.
+/// The least viscous coefficient with which the bristles are passive at all sliding speeds up to
+/// `max_speed`.
+///
+/// Passive bristles supply no energy: they return at most the energy N·σ0 z²/2 that they have
+/// stored, with the normal load N, the stiffness σ0 and the deflection z. With the damping σ1 of
+/// the bristles and the friction law g the condition for the viscous coefficient σ2 is
 ///
 /// ```text
 /// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over 0 ≤ speed ≤ max_speed
@@ -120,12 +133,14 @@ pub fn contact_vibration<L: FrictionLaw>(
 ///
 /// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s
 /// − μ_k)/μ_k. If the speed is not limited, the condition is also necessary: with a smaller σ2,
-/// bristles can supply energy to a mass. The law's own σ2 is ignored.
+/// bristles can supply energy to a mass. The law's own σ2 is ignored; the result has the unit of
+/// σ1.
 ///
 /// # Errors
 ///
 /// * [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g is positive at all
-///   speeds up to `max_speed`, and the law takes at most 10⁴ power series over this range;
+///   speeds up to `max_speed`, and the expansion of g over this range takes at most 10⁴ power
+///   series;
 /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
 ///   power series at a speed in this range.
 ///

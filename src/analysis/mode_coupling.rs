@@ -7,8 +7,9 @@
 /// M q'' + C q' + K(μ) q = const,   K(μ) = [[k11, k12 − μk3], [k21, k22]],   C = diag(c1, c2)
 /// ```
 ///
-/// μ is the friction coefficient, which does not depend on speed; k3 is the stiffness of the normal
-/// spring. Any consistent units may be used.
+/// q = (q1, q2) are the coordinates, and M = diag(m1, m2) contains the masses. μ is the friction
+/// coefficient, which does not depend on speed; k3 is the stiffness of the normal spring. Any
+/// consistent units may be used.
 ///
 /// ```
 /// use stick_slip::analysis::mode_coupling::ModeCoupling;

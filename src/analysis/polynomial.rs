@@ -1,15 +1,19 @@
-//! Closed forms for the polynomial law, Eqs. 3-5 of Farshidianfar and Noei Aghaee: the damping and
-//! the belt velocity above which there is no vibration. μ_m is the least coefficient of the law,
-//! and v_m its sliding speed. The other symbols are those of the [crate
+//! Closed forms for the polynomial law: the damping and the belt velocity above which there is no
+//! vibration.
+//!
+//! The law is that of Farshidianfar and Noei Aghaee, Eqs. 3-5. μ_m is the least coefficient of the
+//! law, and v_m its sliding speed. The other symbols are those of the [crate
 //! page](crate#the-mass-on-its-belt).
 
 use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{FrictionLaw, Polynomial};
 
-/// Damping ratio η/2, with η = (3/2)γ²(μ_s − μ_m)/v_m, above which there is no vibration at any
-/// belt velocity. At this ratio the damper exactly balances the steepest fall of friction, which is
-/// at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
+/// Damping ratio above which there is no vibration at any belt velocity, dimensionless.
+///
+/// It is η/2 with η = (3/2)γ²(μ_s − μ_m)/v_m and the symbols of [`polynomial`](self). At this ratio
+/// the damper exactly balances the steepest fall of friction, which is at the sliding speed 0. The
+/// system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
 /// energy. There is no vibration at exactly η/2 either. The exception is μ_s = μ_m: η is 0,
@@ -32,10 +36,12 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
     0.75 * system.load() * drop / law.minimum_velocity()
 }
 
-/// Belt velocity above which no vibration lasts, dimensionless: v_b1 = v_m√(1 − 2β/η) if 2β < η,
-/// and 0 if 2β ≥ η, with η of [`silencing_damping_everywhere`]. Without damping and with constant
-/// friction (μ_s = μ_m) the result is ∞, because small vibrations then last at every belt velocity.
-/// `None` if a coefficient overflows. The system's own v_b is ignored.
+/// Belt velocity above which no vibration lasts, dimensionless.
+///
+/// Without damping and with constant friction it is ∞, because small vibrations then last at every
+/// belt velocity. Otherwise it is v_b1 = v_m√(1 − 2β/η) if 2β < η, and 0 if 2β ≥ η, with η of
+/// [`silencing_damping_everywhere`] and the speed v_m of least friction. `None` if a coefficient
+/// overflows. The system's own v_b is ignored.
 ///
 /// v_b1 is exactly the limit of stable steady sliding. No other motion lasts above v_b1 if friction
 /// is weak compared with the spring.

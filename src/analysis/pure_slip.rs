@@ -131,7 +131,7 @@ impl PureSlip {
         self.h3
     }
 
-    /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless,
+    /// Belt velocity v_b1 = v_m√(1 − 2β/η), below which steady sliding is unstable. Dimensionless,
     /// exact. `None` if 2β ≥ η: steady sliding is then stable at every belt velocity.
     ///
     /// Source: Farshidianfar and Noei Aghaee, text after Eq. 15.
@@ -288,8 +288,10 @@ impl PureSlip {
     }
 }
 
-/// A pure-slip cycle of the polynomial law, as an expansion in ε ([`analysis`](super)).
-/// Dimensionless. [`PureSlip::first_order`] to [`PureSlip::fourth_order`] compute it.
+/// A pure-slip cycle of the polynomial law, as an expansion for weak friction.
+///
+/// The expansion is in powers of ε ([`analysis`](super)); all quantities are dimensionless.
+/// [`PureSlip::first_order`] to [`PureSlip::fourth_order`] compute it.
 ///
 /// With A0, h1, h2 and h3 of [`PureSlip`], a = A0 h2 and b = A0² h3:
 ///

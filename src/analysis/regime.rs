@@ -2,17 +2,18 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::Polynomial;
 
-/// The motion to which a system with the polynomial law settles, by Eqs. 14 and 15 of Farshidianfar
-/// and Noei Aghaee. For v_b0 and v_b1 see [`PureSlip`].
+/// The motion to which a system with the polynomial law settles.
+///
+/// Eqs. 14 and 15 of Farshidianfar and Noei Aghaee give the limits v_b0 and v_b1:
+/// [`PureSlip::stick_velocity`] and [`PureSlip::onset_velocity`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Regime {
     /// The mass comes to rest on the belt: v_b = 0.
     Rest,
     /// Steady sliding: |v_b| ≥ v_b1.
     Equilibrium,
-    /// Vibration that slips all the time: v_b0 < |v_b| < v_b1. Constant friction (μ_s = μ_m)
-    /// without damping also counts as pure slip: every vibration with an amplitude up to |v_b| then
-    /// lasts for ever.
+    /// Vibration that slips all the time: v_b0 < |v_b| < v_b1. Constant friction without damping
+    /// also counts as pure slip: every vibration with an amplitude up to |v_b| then lasts for ever.
     PureSlip,
     /// Vibration that sticks, or overtakes the belt: 0 < |v_b| ≤ v_b0.
     StickSlip,
@@ -31,9 +32,10 @@ impl std::fmt::Display for Regime {
 
 /// Returns the motion to which a system with the polynomial law settles, by closed forms.
 ///
-/// The limit v_b1 is exact. The limit v_b0 has a relative error O(ε²) (for ε see
-/// [`analysis`](super)); [`PureSlip::grazing_velocity`] is more accurate. For other laws there is
-/// no single answer, because several attractors can coexist.
+/// The limit v_b1 of steady sliding ([`PureSlip::onset_velocity`]) is exact. The limit v_b0 of
+/// stick ([`PureSlip::stick_velocity`]) has a relative error O(ε²), with ε of [`analysis`](super);
+/// [`PureSlip::grazing_velocity`] is more accurate. For other laws there is no single answer,
+/// because several attractors can coexist.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 instead of
 /// the printed √(4/3) v_b1, and stick-slip below v_b0 only.

@@ -8,8 +8,11 @@ use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
 /// The stick-slip formulas of Farshidianfar and Noei Aghaee, for any law: stick, then a slip arc of
-/// an undamped oscillation about the equilibrium ū.
-/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) computes the exact motion.
+/// an undamped oscillation about the equilibrium.
+///
+/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) computes the exact motion. ū is the
+/// displacement of the equilibrium, κ|v_b| the distance of the release point from it; η and v_m are
+/// those of [`PureSlip`](super::PureSlip).
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)

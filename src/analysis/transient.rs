@@ -1,8 +1,10 @@
 use crate::error::Error;
 use crate::state::State;
 
-/// Slow growth or decay of a vibration z = A sin ψ, ψ = τ + φ, without stick, for the polynomial
-/// law: the closed-form solution of Eq. 12.
+/// Slow growth or decay of a vibration without stick, for the polynomial law, in closed form.
+///
+/// The vibration about the equilibrium ū is u − ū = A sin ψ with ψ = τ + φ. Eq. 12 and its
+/// solution:
 ///
 /// ```text
 /// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)

@@ -12,7 +12,8 @@ use crate::state::Units;
 /// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
 /// ```
 ///
-/// All quantities are dimensionless. If |v_b| is a breakpoint of the law, slope and stability are
+/// All quantities are dimensionless; symbols are those of the [crate
+/// page](crate#the-mass-on-its-belt). If |v_b| is a breakpoint of the law, slope and stability are
 /// those of the piece above |v_b|, and apply to motions with sliding speeds above |v_b|. The
 /// stability of motions that pass the breakpoint depends on both slopes.
 ///
@@ -107,7 +108,7 @@ impl std::fmt::Display for Equilibrium {
     }
 }
 
-/// The stability of an equilibrium, from h1 = 2β + γ² dμ̂/ds at |v_b| alone, dimensionless.
+/// The stability of an equilibrium, from the damping h1 of [`Equilibrium`] alone.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

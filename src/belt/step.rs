@@ -183,7 +183,7 @@ impl Step {
     }
 
     /// Coefficients of the power series of the sliding speed s in the time since the step's start,
-    /// s(t) = Σ c_k t^k, dimensionless. They are exactly the coefficients that the integrator used
+    /// s(t) = Σ s_k t^k, dimensionless. They are exactly the coefficients that the integrator used
     /// in this step; in stick all are zero.
     ///
     /// ```

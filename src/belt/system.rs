@@ -12,7 +12,8 @@ use crate::state::State;
 /// ```
 ///
 /// Everything is dimensionless: time τ = ω0 t, displacement u, damping ratio β, friction load γ²,
-/// belt velocity v_b.
+/// belt velocity v_b. The friction law has the static coefficient μ_s and the kinetic coefficient
+/// μ̂(s) at the sliding speed s.
 ///
 /// In stick the contact transmits the force F = u + 2βv_b. The band of F in which the mass sticks
 /// is half open, so that exactly one motion follows from every state:

@@ -8,7 +8,9 @@ use crate::numerics::scan::sign_changes;
 use crate::orbit::Criticality;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
-/// regains stability. At these velocities the damping h1 of steady sliding changes its sign:
+/// regains stability.
+///
+/// At these velocities the damping h1 of steady sliding changes its sign:
 ///
 /// ```text
 /// h1(v_b) = 2β + γ² dμ̂/ds(|v_b|),

@@ -33,7 +33,7 @@
 //!
 //! | function | event at the values that it returns |
 //! |---|---|
-//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns the side on which the cycle exists |
+//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns whether this cycle is stable |
 //! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt velocity tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet and vanish |

@@ -7,8 +7,9 @@ use crate::numerics::bracket::Bracket;
 
 /// The least damping ratio β, dimensionless, at which no vibration lasts at the system's belt
 /// velocity. With this damping or more, steady sliding is stable, and there is no periodic motion.
-/// With less damping, a periodic motion exists or steady sliding is unstable. The system's own β is
-/// ignored. The result is 0 if v_b = 0.
+/// (Exception: if friction is constant near the speed |v_b| and the result is 0, small vibrations
+/// last at β = 0 itself.) With less damping, a periodic motion exists or steady sliding is
+/// unstable. The system's own β is ignored. The result is 0 if v_b = 0.
 ///
 /// If the kinetic coefficient μ̂ is nowhere negative, a single border separates the dampings with
 /// vibration from those without. The reason: more damping rotates the vector field inwards at every
@@ -35,7 +36,7 @@ use crate::numerics::bracket::Bracket;
 /// # Errors
 ///
 /// * [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find).
-///   No β tried is larger than the largest of 10⁻³, twice the result, and twice the β at which
+///   Every β tried is at most max(10⁻³, 2β_0, 2β_1), where β_0 is the result and β_1 the β at which
 ///   steady sliding becomes stable;
 /// * [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
 ///

@@ -19,12 +19,16 @@ use crate::series::{PowerSeries, TERMS};
 /// The range is covered by a chain of power series of the law, each used within its radius of
 /// convergence. The series are compared with the law's values at 4096 points of the range, and at
 /// 16 or more points of each series. Features narrower than the distance between these points can
-/// be missed. The search for narrow features starts from nine points of the range in both
-/// directions. Each feature is then far from at least one of these points. A feature at an end of
-/// the range is not reported, because the series that begins at this end contains the feature. A
-/// feature counts as narrow if it fits between two speeds at which the integrator checks the law,
-/// in a motion whose velocity amplitude is half the range. A bump exp(−(s/w)²) counts as narrow if
-/// w is less than about 1/85 of the range.
+/// be missed.
+///
+/// A narrow feature is an interval of speeds in which the law differs from a power series that
+/// agrees with it on both sides. A step of a motion can pass over such a feature. A series that
+/// begins close to a feature contains it and does not show it. The law is therefore compared with
+/// series that begin at nine points of the range, upwards and downwards. A feature at an end of the
+/// range is not reported, because it has only one side. A feature counts as narrow if it fits
+/// between two speeds at which the integrator checks the law, in a motion whose velocity amplitude
+/// is half the range. A bump exp(−((s − s_0)/w)²) at a speed s_0 inside the range counts as narrow
+/// if w is less than about 1/85 of the range.
 ///
 /// # Errors
 ///

@@ -85,11 +85,11 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 ///
 /// | start | decided at | attractor |
 /// |---|---|---|
-/// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction, and outside the stick band, [`Continuum`](Attractor::Continuum) |
+/// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction, and with an amplitude above γ²μ_s, [`Continuum`](Attractor::Continuum) |
 /// | in stick, or slip that ends in stick | the release point | the cycle through the release point; if there is none, the rows below decide for the motion from the release point |
-/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next cycle inside, or the equilibrium if there is none |
+/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next pure-slip cycle outside or, if there is none, the attractor of the motion from the release point; otherwise the next cycle inside or, if there is none, the equilibrium or the [continuum](Attractor::Continuum) around it |
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
-/// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
+/// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside or, if there is none, [`Unbounded`](Attractor::Unbounded); otherwise the next crossing cycle inside or, if there is none, the attractor of the motion from the release point |
 /// | within a relative distance of 10⁻¹² from an unstable cycle (10⁻⁶ if rounding hides the growth there) | | [`Separatrix`](Attractor::Separatrix) |
 /// | a velocity maximum V in an [unresolved](CycleSet::unresolved) range, or crossings of the belt velocity with a growth over one period that rounding hides | | [`Unresolved`](Attractor::Unresolved) |
 ///

@@ -8,11 +8,15 @@ use crate::belt::Forward;
 use crate::error::Error;
 use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_constant_on};
 
-/// A family of periodic motions that fills a disc around the equilibrium. The family exists if
-/// there is no damping and friction does not depend on the speed (Coulomb, or μ_s = μ_m). Friction
-/// then neither feeds nor damps a motion in slip. On a belt at rest the family exists only without
-/// kinetic friction. If this belt has static friction, motions that turn back inside the stick band
-/// do not belong to the family, because the mass sticks.
+/// A continuous family of periodic motions, one for each amplitude in a range.
+///
+/// On a moving belt the family fills a disc around the equilibrium. It exists if there is no
+/// damping, and friction does not depend on the speed near the sliding speed |v_b|. Constant
+/// friction, as in Coulomb's law, neither feeds nor damps a motion in slip.
+///
+/// On a belt at rest the family exists if there is neither damping nor kinetic friction. It then
+/// consists of all motions with amplitudes above γ²μ_s, the largest static friction; a mass that
+/// turns back at a smaller displacement sticks.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
@@ -27,7 +31,7 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 pub struct Continuum {
     /// Amplitude of the largest motion of the family, dimensionless: |v_b| if that motion touches
     /// the belt velocity; less if friction is constant only up to a breakpoint of the law; infinite
-    /// if there is no friction.
+    /// if there is no friction, or if the belt is at rest.
     #[cfg_attr(feature = "serde", serde(serialize_with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
 }

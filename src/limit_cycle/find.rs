@@ -9,8 +9,8 @@ use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 
-/// The periodic motion through the release point. `None` if the motion from the release point never
-/// returns to it, or if v_b = 0.
+/// The periodic motion through the [release point](MassOnBelt::release_state). `None` if the motion
+/// from the release point never returns to it, or if v_b = 0.
 ///
 /// Its [`kind`](LimitCycle::kind) is [`CycleKind::StickSlip`] or, if the mass overtakes the belt
 /// before it sticks, [`CycleKind::Overshoot`]. The search computes one slip arc for the first kind
@@ -52,7 +52,7 @@ fn stick_slip_of(system: Belt<'_>) -> Result<Option<LimitCycle>, Error> {
     Ok(cycle)
 }
 
-/// All isolated periodic motions, stable and unstable, for any v_b.
+/// All isolated periodic motions, stable and unstable, for any belt velocity.
 ///
 /// Source: return maps between a planar flow's crossings of a line (Guckenheimer and Holmes,
 /// *Nonlinear Oscillations, Dynamical Systems, and Bifurcations of Vector Fields*, Springer 1983,

@@ -11,9 +11,11 @@ use crate::numerics::gauss::{gauss_fours, gauss_legendre};
 use crate::series::PowerSeries;
 use crate::state::{State, Units};
 
-/// Energy budget of one period: work and heat, dimensionless, in units of K L²
-/// ([`Scaling::joules`](crate::Scaling::joules) converts them to joules). f is the friction force
-/// on the mass.
+/// Energy budget of one period: work and heat, dimensionless.
+///
+/// [`Scaling::joules`](crate::Scaling::joules) converts the numbers to joules. In the formulas v is
+/// the velocity of the mass, v_b that of the belt, v_r = v − v_b, and f the friction force on the
+/// mass; β is the damping ratio, γ² the friction load, and μ̂ the kinetic coefficient.
 ///
 /// For a periodic motion `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss =
 /// v_b ∮u dτ`.
@@ -148,10 +150,10 @@ impl LimitCycle {
     /// acceleration is 0.
     ///
     /// In dimensionless units the result equals the root mean square of the velocity; in physical
-    /// units it is ω0 times the root mean square of the velocity. To show this, multiply the time
-    /// derivative of the equation of motion by v and integrate over a period. The result is ∮v'² =
-    /// ∮v² − ∮v df with the friction force f. Here ∮v df = ∮v_r df = 0, because f depends on v_r
-    /// alone in slip, and v_r is 0 in stick.
+    /// units it is the natural frequency ω0 times the root mean square of the velocity. To show
+    /// this, multiply the time derivative of the equation of motion by v and integrate over a
+    /// period. The result is ∮v'² = ∮v² − ∮v df with the friction force f. Here ∮v df = ∮v_r df =
+    /// 0, because f depends on v_r alone in slip, and v_r is 0 in stick.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};

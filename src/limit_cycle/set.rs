@@ -89,17 +89,21 @@ impl CycleSet {
         self.cycles.is_empty()
     }
 
-    /// The family of periodic motions about the equilibrium, if every small motion is periodic.
+    /// The continuous family of periodic motions; `None` if there is none.
     pub fn continuum(&self) -> Option<Continuum> {
         self.continuum
     }
 
     /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
-    /// double precision cannot resolve the number of cycles. There are two sorts. In a narrow
-    /// range, motions decay strongly at one end and grow strongly at the other. The range therefore
-    /// contains an odd number of unstable cycles, usually one. In a wide range, motions change over
-    /// one period by no more than rounding errors. Averaging does not show whether all of these
-    /// motions decay, or all of them grow and leave the range.
+    /// the number of cycles is not resolved.
+    ///
+    /// * In a narrow range, motions decay strongly at the lower end and grow strongly at the upper
+    ///   end. Such a range contains at least one unstable cycle, usually one cycle in all. If there
+    ///   are more, stable cycles lie between unstable ones.
+    /// * In a wide range, motions change over one period by no more than rounding errors. Averaging
+    ///   does not show whether all of these motions decay, or all of them grow and leave the range.
+    /// * If a law has thousands of waves, a search ends after 2·10⁵ steps, and the rest of its
+    ///   range is unresolved.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

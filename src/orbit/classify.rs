@@ -127,10 +127,10 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// starts may reach other attractors.
 ///
 /// If no drive varies, the motion counts as steady sliding or rest if two conditions hold for at
-/// least 256 steps: no event happens, and no velocity is larger than 10⁻⁶ of the largest velocity
-/// of a mass or a belt so far. If the system can be
-/// [translated](super#motions-that-are-translated), the second condition is that all velocities are
-/// constant to this accuracy. A start exactly on an unstable equilibrium, or on an unstable
+/// least 256 steps. First, no event happens. Second, no velocity is larger than 10⁻⁶ of the largest
+/// velocity of a mass or a belt so far. If masses can be displaced together without changing any
+/// force (see [translations](super#motions-that-are-translated)), velocities may have any size, but
+/// none may vary by more than this. A start exactly on an unstable equilibrium, or on an unstable
 /// periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by

@@ -72,17 +72,19 @@ pub fn lyapunov<S: Oscillator>(
 /// ```
 ///
 /// A positive exponent means chaos. For a stable periodic motion the exponent is ln|μ|/T, with the
-/// largest multiplier μ and the period T. Two kinds of perturbations neither grow nor decay, and
-/// are left out: a shift along the orbit of an autonomous motion, and a
+/// period T and the multiplier μ of largest modulus. Two kinds of perturbations neither grow nor
+/// decay, and are left out: a shift along the orbit of an autonomous motion, and a
 /// [translation](super#motions-that-are-translated). The exponent is −∞ if all other perturbations
-/// decay to zero. It is 0 if all masses stick for ever to surfaces at rest, because a perturbation
-/// of a displacement then remains. The perturbation δx is a solution of the variational equations,
-/// not a difference of motions, so no digits cancel. The search needs constant memory.
+/// become exactly zero after a finite time. (The stick phases of one mass on a belt have this
+/// effect; μ is then 0.) It is 0 if all masses stick for ever to surfaces at rest, because a
+/// perturbation of a displacement then remains. The perturbation δx is a solution of the
+/// variational equations, not a difference of motions, so no digits cancel. The search needs
+/// constant memory.
 ///
 /// The cost is proportional to the duration. The standard error falls at least as fast as
 /// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit
 /// of time, so 10 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for
-/// three masses; [`Search::with_max_steps`] changes this bound.
+/// three masses, and covers about 10⁵ units of time; [`Search::with_max_steps`] changes this bound.
 ///
 /// # Errors
 ///
@@ -90,7 +92,7 @@ pub fn lyapunov<S: Oscillator>(
 ///   is > 0;
 /// * [`Error::InvalidParameter`] if the duration is so short that transient + duration is rounded
 ///   to the transient;
-/// * [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
+/// * [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (10⁴ to 10⁵
 ///   oscillations);
 /// * the other errors of [`Integrator::simulate`].
 ///

@@ -180,8 +180,8 @@ pub trait ContactLaw: Sized {
     /// The memory variables: `[S; Z]` for Z of them.
     type Memory<S: Scalar>: Variables<S>;
 
-    /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ: if the
-    /// coefficient is positive, the force is negative.
+    /// Friction coefficient μ(r, z), dimensionless. The friction λ = N·μ acts on the mass as the
+    /// force −λ: friction with a positive μ opposes a positive r.
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
     /// Static coefficient μ_s(z), dimensionless: the contact sticks while its force is at most

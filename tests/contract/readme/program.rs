@@ -1,8 +1,8 @@
 use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
 
 fn main() -> Result<(), stick_slip::Error> {
-    let law = Polynomial::new(0.4, 0.25, 0.5)?; // μ_s, least μ, its velocity
-    let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?; // v_b, β; γ² = 1 unless set
+    let law = Polynomial::new(0.4, 0.25, 0.5)?; // static μ, least μ, speed of least μ
+    let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?; // belt velocity, damping ratio
 
     let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
     for event in motion.events() {
