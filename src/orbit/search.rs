@@ -159,6 +159,25 @@ impl<'w> Search<'w> {
         }
     }
 
+    /// The same search, which also notes the value of the parameter at which its watcher stops it.
+    pub(super) fn noting<'s>(&'s self, stopped: &'s Cell<Option<f64>>) -> Search<'s> {
+        let search = Search {
+            max_steps: self.max_steps,
+            max_points: self.max_points,
+            watch: None,
+        };
+        let Some(watch) = &self.watch else {
+            return search;
+        };
+        search.watched(move |progress| {
+            let flow = watch(progress);
+            if flow.is_break() {
+                stopped.set(stopped.get().or(Some(progress.value)));
+            }
+            flow
+        })
+    }
+
     /// The bound of the steps on one system.
     pub(super) fn steps(&self) -> usize {
         self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)

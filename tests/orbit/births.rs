@@ -235,3 +235,44 @@ fn very_stiff_and_very_soft_springs_end_in_an_answer() {
         assert!(ranges.is_ok(), "{stiffness:e}");
     }
 }
+
+/// The Hopf point of a pad on a normal spring, whose reaction acts on masses other than 1: the
+/// branch from it shrinks to the belt velocity at which the eigenvalues of `steady_sliding`, which
+/// is computed elsewhere, cross the axis.
+#[test]
+fn a_normal_spring_acts_on_the_steady_sliding_at_a_birth() -> Result<(), Error> {
+    let family = |velocity: f64| {
+        let contact = Contact::new(0, Exponential::new(0.6, 0.3, 0.5)?, 0.7)?.on_belt(velocity);
+        Structure::new(&[1.3, 0.6])?
+            .with_spring(0, 1, 0.4)?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_ground_spring(1, 0.9)?
+            .with_ground_damper(1, 0.2)?
+            .with_force(1, 0.3)?
+            .with_contact(contact.with_normal_spring(&[(1, -1.0)], 0.8)?)
+    };
+    let growth = |velocity: f64| {
+        let steady = family(velocity).unwrap().steady_sliding().unwrap();
+        let parts = steady.eigenvalues.iter().map(|value| value.re);
+        parts.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let (mut low, mut high) = (0.2, 3.0);
+    assert!(growth(low) > 0.0 && growth(high) < 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if growth(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let born = begin(family, 1.01 * low)?;
+    let branch = follow(family, born.parameter, &born.orbit, 0.5 * low..2.0 * low)?;
+    let hopf = branch.ends.iter().find_map(|end| match end {
+        BranchEnd::Hopf { parameter } => Some(*parameter),
+        _ => None,
+    });
+    assert!((hopf.unwrap() - low).abs() < 1e-12, "{hopf:?} {low}");
+    Ok(())
+}

@@ -1,5 +1,8 @@
 //! Attractors over a range of a parameter: against the complete search of the belt, and simulation.
 
+use std::cell::Cell;
+use std::ops::ControlFlow::{Break, Continue};
+
 use stick_slip::bifurcation::{self, AttractorKind as OfBelt};
 use stick_slip::orbit::{
     self, AttractorKind, Border, BranchEnd, Search, VibrationRanges, classify, vibration_ranges,
@@ -307,4 +310,43 @@ fn ranges_end_where_the_family_has_no_system() {
         assert!((end - known).abs() < 1e-15, "{end}");
     }
     assert_eq!(Border::NoSystem.to_string(), "no system");
+}
+
+/// A search that is stopped says so wherever it was: in the sweep, and on a branch. In the second
+/// case the sweep is whole.
+#[test]
+fn a_stop_is_noted_wherever_it_comes() {
+    let family = |velocity: f64| {
+        MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, velocity)?.with_damping(0.05)
+    };
+    let range = 0.3..1.5;
+    let calls = Cell::new(0);
+    let stopped_at = |call: usize| {
+        calls.set(0);
+        let search = Search::new().watched(|_| {
+            calls.set(calls.get() + 1);
+            if calls.get() < call {
+                Continue(())
+            } else {
+                Break(())
+            }
+        });
+        search.vibration_ranges(family, range.clone()).unwrap()
+    };
+    let whole = stopped_at(usize::MAX);
+    let all = calls.get();
+    assert_eq!(whole.stopped, None);
+    for call in [1, 2, all / 2, all] {
+        let part = stopped_at(call);
+        assert!(
+            part.stopped.is_some_and(|value| range.contains(&value)),
+            "{call} of {all}"
+        );
+        assert!(part.branches.len() <= whole.branches.len());
+    }
+    let last = stopped_at(all);
+    assert_eq!(
+        (last.sweep.stopped, last.sweep.up.len()),
+        (None, whole.sweep.up.len())
+    );
 }

@@ -19,6 +19,10 @@ pub struct VibrationRanges<S: System> {
     pub branches: Vec<Branch<S>>,
     /// The attractors that the sweep reached at 17 equidistant values, upward and downward.
     pub sweep: Sweep<S>,
+    /// The value of the parameter at which the watcher stopped the search; `None` if the watcher
+    /// did not stop it. After a stop the ranges may lack attractors, even some that the sweep
+    /// reached.
+    pub stopped: Option<f64>,
 }
 
 /// A range of a parameter of any system with the same attractors throughout; part of
@@ -130,6 +134,7 @@ impl<S: System> Clone for VibrationRanges<S> {
             ranges: self.ranges.clone(),
             branches: self.branches.clone(),
             sweep: self.sweep.clone(),
+            stopped: self.stopped,
         }
     }
 }
@@ -139,6 +144,7 @@ impl<S: System> fmt::Debug for VibrationRanges<S> {
         f.debug_struct("VibrationRanges")
             .field("ranges", &self.ranges)
             .field("branches", &self.branches)
+            .field("stopped", &self.stopped)
             .finish_non_exhaustive()
     }
 }

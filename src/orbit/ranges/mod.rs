@@ -3,6 +3,7 @@
 mod found;
 mod motions;
 
+use std::cell::Cell;
 use std::ops::Range;
 
 pub use self::found::{Border, VibrationRange, VibrationRanges};
@@ -105,11 +106,9 @@ impl Search<'_> {
     /// The attractors over a range of a parameter: [`vibration_ranges`], within the bounds of this
     /// search.
     ///
-    /// A search that is stopped returns what it has found so far. Attractors may be missing from
-    /// its ranges, and a motion may count twice if branches end early. Only a stop within the sweep
-    /// is recorded ([`Sweep::stopped`](super::Sweep::stopped)), and a branch that is stopped before
-    /// its first new motion is left out: let the watcher record that it stopped the search, and
-    /// compare the ranges with the sweep. The same holds for branches that end with
+    /// A search that is stopped returns what it has found so far, and
+    /// [`VibrationRanges::stopped`] says so. Attractors may be missing from its ranges, and a
+    /// motion may count twice if branches end early. The same holds for branches that end with
     /// [`BranchEnd::Work`](super::BranchEnd::Work).
     ///
     /// # Errors
@@ -124,6 +123,8 @@ impl Search<'_> {
         let of = "orbit::vibration_ranges";
         Error::check(of, "range.start", start, true, "start < end")?;
         Error::check(of, "range.end", end, end > start, "start < end")?;
+        let stopped = Cell::new(None);
+        let search = self.noting(&stopped);
         let places = |count: usize| -> Vec<f64> {
             let parts = (0..=count).map(|i| i as f64 / count as f64);
             parts
@@ -132,7 +133,7 @@ impl Search<'_> {
         };
         let first = family(start).map_err(|error| error.at("parameter", start))?;
         let rest = S::own(&State::at_rest(first.form().len()));
-        let sweep = self.sweep(&family, &places(SWEPT), &rest)?;
+        let sweep = search.sweep(&family, &places(SWEPT), &rest)?;
         let steady = steady_along(&family, &places(INTERVALS));
         let systems = systems(&family, &places(INTERVALS));
         let mut branches: Vec<Branch<S>> = Vec::new();
@@ -145,7 +146,7 @@ impl Search<'_> {
             if !branches
                 .iter()
                 .any(|branch| is_on(branch, parameter, orbit))
-                && let Ok(branch) = self.follow(&family, parameter, orbit, start..end)
+                && let Ok(branch) = search.follow(&family, parameter, orbit, start..end)
                 && !branches.iter().any(|known| is_same(known, &branch))
             {
                 branches.push(branch);
@@ -155,7 +156,7 @@ impl Search<'_> {
             follow(parameter, orbit);
         }
         for crossing in steady.crossings.iter().filter(|at| at.frequency > 0.0) {
-            if let Ok(born) = self.begin(&family, crossing.parameter)
+            if let Ok(born) = search.begin(&family, crossing.parameter)
                 && (start..=end).contains(&born.parameter)
             {
                 follow(born.parameter, &born.orbit);
@@ -168,15 +169,16 @@ impl Search<'_> {
             near: NEAR * (end - start),
         };
         for branch in &branches {
-            self.add_stretches(&family, branch, &known, &mut stretches);
+            search.add_stretches(&family, branch, &known, &mut stretches);
         }
         let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S>>| {
-            self.different(&family, parameter, stretches)
+            search.different(&family, parameter, stretches)
         };
         Ok(VibrationRanges {
             ranges: ranges(&stretches, &sweep, &systems, start..end, differ),
             branches,
             sweep,
+            stopped: stopped.get(),
         })
     }
 
