@@ -16,11 +16,12 @@
 //!    residual that the series leaves in the equation of motion. A step is accepted if the defect
 //!    is small at a quarter, a half and three quarters of the step, at its end, and near the
 //!    minimum of the sliding speed. In a step longer than one radian the defect is also checked at
-//!    every quarter of a radian. The checks catch terms of the law that underflow at the start of
-//!    the step, such as exp(−400) in a law with a small Stribeck velocity. They find a narrow bump
-//!    exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is at least 1/40
-//!    of the motion's velocity amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints)
-//!    at any narrower feature. Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
+//!    every quarter of a radian. The checks catch terms of the law that are lost in rounding at the
+//!    start of the step, such as exp(−400) in a law with a small Stribeck velocity. They find a
+//!    narrow bump exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is
+//!    at least 1/40 of the motion's velocity amplitude. Declare a
+//!    [breakpoint](crate::FrictionLaw::breakpoints) at any narrower feature. Tests:
+//!    `belt::integrator::promise_1_hidden_terms_are_not_missed`,
 //!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
 //!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
 //! 2. **Zeros of v_r** are roots of the polynomial of the sliding speed. They are isolated, so that
@@ -35,10 +36,10 @@
 //! 4. **Stick** is computed by closed formulas, and v equals v_b in every bit. Tests:
 //!    `belt::integrator::promise_4_stick_is_closed_form`,
 //!    `belt::hostile::it_sticks_in_the_band_and_slips_outside`.
-//! 5. **Order.** States are continuous. Event times never decrease; they increase strictly if the
-//!    phase between two events is longer than an ulp of the time (the distance between two
-//!    neighbouring numbers of type `f64`). The same call gives the same bits on the same kind of
-//!    processor. Tests:
+//! 5. **Order.** States are continuous (in stiff phases: up to 8 tolerances). Event times never
+//!    decrease; they increase strictly if the phase between two events is longer than an ulp of the
+//!    time (the distance between two neighbouring numbers of type `f64`). The same call gives the
+//!    same bits on the same kind of processor. Tests:
 //!    `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
 //!    `contract::api::the_same_bits_again_and_in_threads`.
 //! 6. **Large numbers.** The integrated variable is v_r, not v, so the zeros of v_r are exact for
@@ -48,8 +49,8 @@
 //!    `belt::integrator::promise_6_time_does_not_drift_over_a_hundred_thousand_cycles`.
 //! 7. **Tolerance** is the error of a step relative to the scale of the motion, max(|u − ū|, |v|,
 //!    |v_b|), with ū the displacement of steady sliding. A change of units therefore only scales
-//!    the result. If a motion creeps (D large), or the law is so steep that ū lies far beyond the
-//!    motion, the scale is max(|v|, |v_b|, |v'|/max(1, D)). Tests:
+//!    the result. If a motion creeps (D large), or the law is so steep that |u − ū| is far larger
+//!    than the range of the motion, the scale is max(|v|, |v_b|, |v'|/max(1, D)). Tests:
 //!    `belt::integrator::promise_7_scaling_the_units_scales_the_result`,
 //!    `belt::integrator::requested_tolerance_is_met`,
 //!    `belt::hostile::other_units_of_length_change_no_bit`.
@@ -72,8 +73,8 @@
 //! # Conventions at zero relative velocity
 //!
 //! In stick the contact transmits the force F = u + 2βv_b, and its limit is F_s = γ²μ_s. The band
-//! of forces in which the mass sticks is half open, so that exactly one motion follows from every
-//! state:
+//! of forces in which the mass sticks is half open for v_b ≠ 0 and closed for v_b = 0, so that
+//! exactly one motion follows from every state:
 //!
 //! * v_b > 0: −F_s ≤ F < F_s. At F = F_s the mass is released.
 //! * v_b < 0: −F_s < F ≤ F_s, the mirror image.
@@ -88,8 +89,8 @@
 //! | slip, v_r reaches 0, F outside the band | [`Crossing`](crate::EventKind::Crossing): slip continues with the other sign. This includes slip with v_r > 0 that ends exactly at the open end of the band |
 //! | slip with v_r < 0, v_r touches 0 tangentially at the open end of the band | no event, slip continues |
 //! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
-//! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
-//! | start at the release point u = F_s − 2βv_b, v = v_b, within 4 ulps of the largest of these terms | `Release` at time 0, reported |
+//! | start with v_r = 0, F outside the band, not at the release point | the mass slips at once, with the sign of −F; no event at time 0 |
+//! | v_b > 0: start at the release point u = F_s − 2βv_b, v = v_b, within 4 ulps of the largest of these terms | `Release` at time 0, reported |
 //!
 //! Rows that give a sign of v_r, but no sign of v_b, apply to v_b > 0. For v_b < 0 the sign of v_r
 //! is reversed.
@@ -117,20 +118,20 @@
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
-//! * **Contacts that share masses** and have the relative velocity r = 0: stick or slip is decided
-//!   for all of them together, by the rule on the page of
+//! * **Contacts that share masses.** At the relative velocity r = 0, stick or slip is decided for
+//!   all these contacts together, by the rule on the page of
 //!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
-//!   matter. If several contacts reach r = 0, every contact whose direction is a linear combination
-//!   of their directions also reaches r = 0, and is decided together with them. If contacts with
-//!   linearly dependent directions would stick at the same time, the run returns
-//!   [`Error::Undetermined`](crate::Error::Undetermined):
+//!   matter. If several contacts reach r = 0, every contact whose direction and surface velocity
+//!   are the same linear combination of theirs also reaches r = 0, and is decided together with
+//!   them. If contacts with linearly dependent directions would stick at the same time, the run
+//!   returns [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::contacts_come_to_rest_with_those_that_they_depend_on`,
 //!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
 //! * **Loads.** If a load that depends on time alone falls below 0 and rises again, its contact
-//!   opens and closes. A load that only touches 0 causes no event. If a load that depends on
-//!   displacements falls to 0, the motion ends with
+//!   opens and closes. A load that only touches 0 causes no event. If a contact has a
+//!   load gradient and no normal spring, and its load falls to 0, the motion ends with
 //!   [`Error::Separation`](crate::Error::Separation):
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
@@ -170,4 +171,4 @@
 //!
 //! Motions of one mass on a belt of constant velocity lie in a plane and cannot cross each other,
 //! so a search for its limit cycles can be complete. With a force, a second mass or memory
-//! variables motions can cross, and a search finds only a motion near its guess.
+//! variables, motions can cross, and a search finds only a motion near its guess.

@@ -323,8 +323,12 @@ impl Cubic {
     }
 }
 
-/// A stick-slip cycle of a cubic law, as an expansion in ε ([`analysis`](super)). Dimensionless.
+/// A stick-slip cycle of a cubic law, as an expansion for weak friction and damping. Dimensionless.
 /// [`StickSlip::first_order`] and [`StickSlip::second_order`] compute it.
+///
+/// β is the damping ratio, γ² the friction load, v_b the belt velocity and ū the displacement of
+/// steady sliding. An error of order n in ε is multiplied by about εⁿ if γ² and β are multiplied by
+/// a small ε.
 ///
 /// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For
 /// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at
@@ -334,15 +338,20 @@ impl Cubic {
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
 /// u_min = ū − v_b[1 − (3π/4)H1 + (2/3)H2 − (9π/16)H3]
 /// v_min = −v_b[1 − (π/2)H1 − (3π/8)H3]
-/// W1 = −πH1 − (3π/4)H3 = π[η(1 − (5/4)(v_b/v_m)²) − 2β],   q0 = √(2W1)
+/// W1 = −πH1 − (3π/4)H3,   q0 = √(2W1)
 /// stick = q0,   slip = 2π − q0,   T = 2π + q0³/3
 /// ```
 ///
-/// To second order with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)),
-/// h' = H1 + 2H2 + 3H3, r = W/(1 + W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2
-/// + (189/128)H3²]:
+/// For [`Polynomial`](crate::Polynomial), W1 = π[η(1 − (5/4)(v_b/v_m)²) − 2β], with v_m the speed
+/// of least friction, μ_m the least coefficient and η = (3/2)γ²(μ_s − μ_m)/v_m. The sum
+/// stick + slip lacks the term q0³/3 of T, because stick and slip have errors of this order.
+///
+/// To second order:
 ///
 /// ```text
+/// W  = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²],   r = W/(1 + W),   tan δ = √(W(2 + W))
+/// T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 + (189/128)H3²]
+/// h' = H1 + 2H2 + 3H3
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
 /// ```
 ///
@@ -354,22 +363,24 @@ impl Cubic {
 /// | `stick`, `slip` | 3/2 | 5/2 |
 /// | `period` | 2 | 3 |
 /// | `growth` | 2 | 3 |
-/// | `return_angle`, whose tangent is the duration of stick | 3/2 | 2 |
+/// | `return_angle` | 3/2 | 2 |
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
-/// Range of validity: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small compared with 1, and
-/// |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks when it reaches the belt velocity. The last
-/// condition fails as ε → 0 at fixed μ_s. To satisfy it, raise μ_s and μ_m by the same constant:
-/// the stick band becomes wider, and u − ū does not change.
+/// Range of validity: W1 is positive and small compared with 1, and |v_b|·stick ≤ 2γ²μ_s, so that
+/// the mass sticks when it reaches the belt velocity. For the polynomial law W1 > 0 means |v_b| <
+/// v_b0, with v_b0 of [`stick_velocity`](super::PureSlip::stick_velocity). The last condition fails
+/// as ε → 0 at fixed μ_s. To satisfy it, raise μ_s and μ_m by the same constant: the stick band
+/// becomes wider, and u − ū does not change.
 ///
 /// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1 −
 /// |v_b|/v_b0. The exact duration of stick goes to zero at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0. The second-order
-/// duration is therefore too short. Its relative error is (3461/153600) q²/d, with q of
-/// `grazing_velocity`, as long as this number is small. Keep d above q², or compute the exact
-/// cycle. The errors of the extremes and of the period do not grow.
+/// duration is therefore too short. Its relative error is (3461/153600) q²/d, with q defined at
+/// `grazing_velocity` (it is not q0), as long as this number is small. Keep d above q², or compute
+/// the exact cycle. The errors of the extremes and of the period do not grow.
 ///
-/// Source: expansion of the slip arc that begins at the release point, which replaces Eqs. 16-18.
+/// Source: expansion of the slip arc that begins at the release point, which replaces
+/// Eqs. 16-18 of Farshidianfar and Noei Aghaee.
 ///
 /// ```
 /// use stick_slip::analysis::StickSlip;
@@ -406,9 +417,9 @@ pub struct StickSlipCycle {
     pub slip: f64,
     /// Period T.
     pub period: f64,
-    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is the next maximum of the speed
-    /// in the direction of the belt, computed without the jump of friction at the belt velocity.
-    /// During slip the mass gains the energy v_b²(W + W²/2).
+    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is the first maximum, after the
+    /// release, of the velocity in the direction of the belt, computed without the jump of friction
+    /// at the belt velocity. During slip the mass gains the energy v_b²(W + W²/2).
     pub growth: f64,
     /// Return angle δ, in radians, which is q0 to first order: the phase by which the slip arc is
     /// shorter than a full period of free vibration.

@@ -41,10 +41,11 @@ pub fn along<'f, L: FrictionLaw>(
     Along::of(Family::Systems(Box::new(family)), range, "parameter")
 }
 
-/// The search of one system along its belt velocity. The methods return the same results as
-/// [`hopf_velocities`](super::hopf_velocities), [`grazing_velocities`](super::grazing_velocities)
-/// and the other functions for belt velocities. Before the search, a bound of the work and a
-/// watcher can be set. The system's own v_b is ignored.
+/// The search of one system along its belt velocity. The methods of [`Along`] return the same
+/// results as [`hopf_velocities`](super::hopf_velocities),
+/// [`grazing_velocities`](super::grazing_velocities) and the other functions for belt velocities.
+/// Before the search, a bound of the work and a watcher can be set. The system's own v_b is
+/// ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///

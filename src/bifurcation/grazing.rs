@@ -122,18 +122,18 @@ pub fn crossing_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which a pure-slip cycle touches the
-/// belt velocity: the velocity maximum of the cycle is v_b. On one side of such a v_b the cycle,
-/// stable or not, stays slower than the belt. On the other side this cycle does not exist, because
-/// the mass would reach the belt velocity and stick.
+/// belt velocity: the largest velocity of the cycle in the direction of the belt is v_b. On one
+/// side of such a v_b the cycle, stable or not, stays slower than the belt. On the other side this
+/// cycle does not exist, because the mass would reach the belt velocity and stick.
 ///
 /// The law has the static coefficient μ_s and the kinetic coefficient μ̂(s) at the sliding speed s.
 /// If μ̂(0) = μ_s, the results are the [`grazing_velocities`]. If μ̂(0) < μ_s, the cycle touches
-/// the belt velocity at a displacement at which the mass can stick, and the stick-slip cycle does
-/// not change at this v_b.
+/// the belt velocity at a displacement at which the mass can stick. If a stick-slip cycle exists
+/// beside this pure-slip cycle, it does not change at this v_b.
 ///
-/// The velocities are the roots of the function described at [`grazing_velocities`], but for the
-/// motion that starts at the velocity maximum v_b, not at the release point. The range is searched
-/// in the same way.
+/// The velocities are the roots of the function described at [`grazing_velocities`]. Here, however,
+/// the function is computed for the motion that starts with a velocity maximum v_b. The range is
+/// searched in the same way.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
 /// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.

@@ -33,7 +33,7 @@
 //!
 //! | function | event at the values that it returns |
 //! |---|---|
-//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns whether this cycle is stable |
+//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] tells whether the cycle is stable |
 //! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt velocity tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet and vanish |
@@ -41,7 +41,7 @@
 //! | [`crossing_velocities`] | a mass that overtakes the belt ceases or begins to stick |
 //! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are also returned |
 //! | [`silencing_damping`] | vibration ends: with this damping or more, no vibration lasts at the system's belt velocity |
-//! | [`silencing_load`] | vibration begins: up to this load, no vibration lasts at the system's belt velocity |
+//! | [`silencing_load`] | vibration begins: just below this load, no vibration lasts at the system's belt velocity |
 //! | [`hopf_locus`] | the equilibrium of any system loses or regains stability; the result is a list of curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to

@@ -97,8 +97,8 @@ fn judged<'s>(
     search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
 
-/// The largest friction load γ², dimensionless, up to which no vibration lasts at the system's belt
-/// velocity and damping. The system's own γ² is ignored.
+/// The friction load γ², dimensionless, at which vibration begins at the system's belt velocity and
+/// damping. The system's own γ² is ignored.
 ///
 /// At this load one of three changes happens: steady sliding becomes unstable (γ² =
 /// −2β/(dμ̂/ds(|v_b|)), with the damping ratio β and the kinetic coefficient μ̂(s) at the sliding

@@ -150,7 +150,7 @@ const HIGHEST: usize = 30;
 /// | μ_s that becomes NaN later | the next stick phase, as an error |
 /// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
 /// | a jump or kink that is not declared | usually the step: it is shortened until its series fits the law on both sides, which costs time, or it returns an error. A jump between two speeds at which steps evaluate the law is missed, and causes an error of the size of the jump |
-/// | a feature, NaN included, that is narrower than the distance between the speeds at which a step evaluates the law (four in a step, which may be up to a radian long) | [`check_law`] only |
+/// | a feature, NaN included, that is narrower than the distance between the speeds at which a step evaluates the law (at least four in each step) | [`check_law`] only |
 /// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions are computed with the negative coefficient, so friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one version of the law, or ends in an error |
 ///
@@ -236,8 +236,8 @@ pub trait FrictionLaw: Sized {
         }
     }
 
-    /// Slope dμ̂/ds at sliding speed s, dimensionless, exact to rounding; at a breakpoint, the
-    /// slope of the piece above it.
+    /// Slope dμ̂/ds at sliding speed s, in units of 1/speed, exact to rounding; at a breakpoint,
+    /// the slope of the piece above it.
     ///
     /// ```
     /// use stick_slip::{FrictionLaw, Polynomial};
@@ -251,8 +251,8 @@ pub trait FrictionLaw: Sized {
         value_and_slope(self, piece_above(self.breakpoints(), speed), speed).1
     }
 
-    /// Second derivative d²μ̂/ds² at sliding speed s, dimensionless, exact to rounding; at a
-    /// breakpoint, the derivative of the piece above it.
+    /// Second derivative d²μ̂/ds² at sliding speed s, in units of 1/speed², exact to rounding; at
+    /// a breakpoint, the derivative of the piece above it.
     ///
     /// ```
     /// use stick_slip::{FrictionLaw, Polynomial};
@@ -266,8 +266,8 @@ pub trait FrictionLaw: Sized {
         2.0 * taylor_coefficients::<3>(self, speed)[2]
     }
 
-    /// Derivative of order n of μ̂ at sliding speed s, dimensionless, exact to rounding; at a
-    /// breakpoint, the derivative of the piece above it. NaN for n > 30.
+    /// Derivative of order n of μ̂ at sliding speed s, in units of 1/speedⁿ, exact to rounding;
+    /// at a breakpoint, the derivative of the piece above it. NaN for n > 30.
     ///
     /// ```
     /// use stick_slip::{Exponential, FrictionLaw};

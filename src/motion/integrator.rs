@@ -88,9 +88,8 @@ impl Integrator {
 
     /// Sets the time at which the motion starts; 0 unless set.
     ///
-    /// The drives of a [`Structure`](crate::Structure) are functions of this time. Events and
-    /// states have times on the same scale: a motion that starts at time 5 and lasts for 2 ends at
-    /// time 7.
+    /// The drives of a [`Structure`](crate::Structure) are functions of time. The times of events
+    /// and states are values of the same time: the first state has the start time, not 0.
     ///
     /// # Errors
     ///

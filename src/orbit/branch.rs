@@ -61,8 +61,8 @@ pub struct Bifurcation<S: System> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
     /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch that is
-    /// born at a flip or a pitchfork of another branch turns back where it is born. A fold of the
-    /// new branch is reported at this point.
+    /// born at a flip or a pitchfork of another branch turns back at its birth. This turning point
+    /// is reported as a fold of the new branch.
     Fold,
     /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds this
     /// motion.
@@ -72,10 +72,9 @@ pub enum BifurcationKind {
     ///
     /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
     /// Consider the map over half a period, followed by the reflection x → c − x. At a pitchfork
-    /// this map has the multiplier −1. (A symmetric motion has no flip. Its multipliers are the
-    /// squares of those of this map. The multipliers of the map are real or complex conjugate
-    /// pairs. A multiplier −1 of the motion would be the square of i; the other of the pair, −i,
-    /// has the same square. Two multipliers would then be −1, but at a flip only one is.)
+    /// this map has the multiplier −1. (The multipliers of a symmetric motion are the squares of
+    /// those of this map. A simple multiplier −1 is impossible, because i and −i are then both
+    /// multipliers of this map. A symmetric motion therefore has no flip.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: quasi-periodic motions on a torus are born.
     NeimarkSacker,

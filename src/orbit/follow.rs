@@ -30,14 +30,15 @@ use crate::state::structure::State;
 /// satisfy
 ///
 /// ```text
-/// x(T; x(0), p) − x(0) = 0,
+/// x(T; x(0), p) − x(0) = 0.
 /// ```
 ///
-/// The curve of solutions is followed by pseudo-arclength continuation: a step along the tangent,
-/// then Newton's method on a plane across the tangent. Newton's method uses the exact derivative of
-/// the period map. The order of stick and slip is not prescribed. If the events of two neighbouring
-/// motions differ, bisection brackets the change of events, down to neighbouring numbers or to the
-/// rounding error of the motions. The branch then continues beyond the change.
+/// An autonomous motion also satisfies a phase condition: it starts at a turning point of one
+/// coordinate. The curve of solutions is followed by pseudo-arclength continuation: a step along
+/// the tangent, then Newton's method on a plane across the tangent. Newton's method uses the exact
+/// derivative of the period map. The order of stick and slip is not prescribed. If the events of
+/// two neighbouring motions differ, bisection brackets the change of events, down to neighbouring
+/// numbers or to the rounding error of the motions. The branch then continues beyond the change.
 ///
 /// Let s be the arclength and μ_i the multipliers. A test function changes its sign at a
 /// bifurcation:
@@ -49,13 +50,12 @@ use crate::state::structure::State;
 /// Each bifurcation is then refined along the arclength. Newton's method corrects every motion that
 /// is tried. Two bifurcations of the same kind within one step (at most 1/64 of the range) can be
 /// missed. In a narrower range the steps are shorter. In a continuum of motions one multiplier is
-/// always 1, and the branch contains the motion nearest the predicted one.
+/// always 1. Of the motions of the continuum, the branch contains the one nearest the guess at the
+/// end of the tangent step.
 ///
-/// An autonomous motion of the branch starts at a turning point of one coordinate.
-///
-/// The limits in each direction are 2048 points, 50 000 motions tried, and 10⁷ integration steps in
-/// total. [`Search`] sets other limits of points and steps and accepts a watcher; the page of
-/// `Search` states the cost. If a motion is lost, the branch up to this motion is returned.
+/// In each direction the limits are 2048 points, 50 000 motions tried, and 10⁷ integration steps of
+/// all these motions. [`Search`] sets other limits of points and steps and accepts a watcher; the
+/// page of `Search` states the cost. If a motion is lost, the branch up to this motion is returned.
 /// [`Branch::ends`] gives the reason for each end.
 ///
 /// A motion can jump as the parameter passes a value. If the jump is less than 1e-3 of the motion's

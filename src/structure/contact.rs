@@ -20,9 +20,11 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 ///
 /// q and v are the displacements and velocities of the coordinates, b is the direction of the
 /// contact, and w is the velocity of the surface. μ is the friction coefficient, N0 the part of the
-/// load that depends on time, and n_j the load gradient, a force per displacement. e_i is the i-th
-/// unit vector; μ and b are dimensionless. If b is multiplied by a factor, r is multiplied by this
-/// factor, and so is the force that a given λ exerts on the coordinates.
+/// load that depends on time, and n_j the load gradient, a force per displacement. μ and b are
+/// dimensionless. If b is multiplied by a factor, r is multiplied by this factor, and so is the
+/// force that a given λ exerts on the coordinates.
+///
+/// In the table e_i is the i-th unit vector:
 ///
 /// | contact | b | r |
 /// |---|---|---|
@@ -235,9 +237,9 @@ impl Contact {
 
     /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN if a
     /// displacement is missing. The last term is the force of a [normal
-    /// spring](Self::with_normal_spring) of stiffness k_n and direction d. A contact with N < 0 is
-    /// open. With a load gradient and without a normal spring, a motion ends with
-    /// [`Error::Separation`] before N becomes negative.
+    /// spring](Self::with_normal_spring) of stiffness k_n and direction d. The result may be
+    /// negative; a contact with N < 0 is open, and its force is 0. With a load gradient and without
+    /// a normal spring, a motion ends with [`Error::Separation`] before N becomes negative.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
         let terms = self
             .whole_gradient()

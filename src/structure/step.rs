@@ -272,6 +272,7 @@ impl SystemState for State {
     }
 }
 
+/// Motions of a structure.
 impl Trajectory<State> {
     /// The mode of a contact at a time of the motion; at the time of an event, the mode after the
     /// event. `None` if the time lies outside the motion or is NaN, or if the contact does not

@@ -226,10 +226,10 @@ pub enum LocusEnd {
         /// The parameters at this end.
         parameters: [f64; 2],
     },
-    /// The steps become shorter and shorter: the last 128 steps together are shorter than 1e-3, in
-    /// units of the size of the motion and of the ranges of the parameters. Near the last point the
-    /// motion has no derivative with respect to the parameters. An example is a grazing that
-    /// coincides with another event of the same contact.
+    /// The steps become shorter and shorter: the last 128 steps together are shorter than 1e-3.
+    /// States are measured in units of the size of the motion, parameters in units of their ranges.
+    /// Near the last point the motion has no derivative with respect to the parameters. An example
+    /// is a grazing that coincides with another event of the same contact.
     Crawls {
         /// The parameters of the last point.
         parameters: [f64; 2],
