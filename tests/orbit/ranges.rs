@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
 
+use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::{self, AttractorKind as OfBelt};
 use stick_slip::orbit::{
     self, AttractorKind, Border, BranchEnd, Search, VibrationRanges, classify, vibration_ranges,
@@ -96,18 +97,43 @@ fn a_belt_as_a_structure_has_the_ranges_of_the_belt() {
 /// A drill string under a load, bit first; the drive turns the ground of the other end, in a frame
 /// that turns with it.
 fn drill_string(inertias: usize, load: f64) -> Result<Structure, Error> {
+    drill_string_in(1.0, inertias, load)
+}
+
+/// The same with angles and forces in other units.
+fn drill_string_in(unit: f64, inertias: usize, load: f64) -> Result<Structure, Error> {
     let mut string = Structure::new(&vec![1.0; inertias])?;
     for i in 1..inertias {
         string = string
             .with_spring(i - 1, i, 20.0)?
             .with_damper(i - 1, i, 0.5)?;
     }
-    let law = Exponential::new(0.6, 0.35, 1.0)?;
+    let law = Exponential::new(0.6, 0.35, unit)?;
     string
         .with_ground_spring(inertias - 1, 20.0)?
         .with_ground_damper(inertias - 1, 0.5)?
         .with_ground_damper(0, 0.3)?
-        .with_contact(Contact::new(0, law, load)?.on_belt(-2.0))
+        .with_contact(Contact::new(0, law, unit * load)?.on_belt(-2.0 * unit))
+}
+
+/// Motions are told apart by their own size.
+#[test]
+fn ranges_do_not_depend_on_units() {
+    let range = 2.0..30.0;
+    let found = vibration_ranges(|load| drill_string(2, load), range.clone()).unwrap();
+    assert!(found.ranges.iter().any(|range| range.attractors.len() > 1));
+    for unit in [2.0_f64.powi(-30), 2.0_f64.powi(20)] {
+        let scaled = vibration_ranges(|load| drill_string_in(unit, 2, load), range.clone());
+        let scaled = scaled.unwrap().ranges;
+        assert_eq!(scaled.len(), found.ranges.len());
+        for (one, other) in std::iter::zip(&found.ranges, scaled) {
+            assert_eq!(
+                (&one.attractors, one.borders),
+                (&other.attractors, other.borders)
+            );
+            assert_abs_diff_eq!(one.parameters.start, other.parameters.start, epsilon = 1e-9);
+        }
+    }
 }
 
 /// The branch of a long string shrinks beside a static twist four times its extent to the Hopf
