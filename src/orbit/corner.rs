@@ -31,8 +31,8 @@ const ROUNDING: f64 = 1e-14;
 const STEEP: f64 = 64.0;
 
 impl LocalCurve<'_, '_> {
-    /// A motion on the other piece of the curve, which begins at the last motion, and the corner. An
-    /// event that passes the start makes a corner of the curve, but is no bifurcation.
+    /// A motion on the other piece of the curve, which begins at the last motion, and the corner.
+    /// An event that passes the start makes a corner of the curve, but is no bifurcation.
     pub(super) fn corner(&self) -> Option<(CurvePoint, Option<FoundBifurcation>)> {
         let here = CurvePoint {
             distance: 0.0,

@@ -239,6 +239,9 @@ impl Walk<'_, '_> {
             let found = Vec::from_iter(found);
             return (Outcome::Next(place, found), length.min(LONGEST));
         }
+        if self.curve.watched.is_stopped() {
+            end = Some(Outcome::End(self.curve.end_at_limit(view.base)));
+        }
         let parameter = self.curve.parameter(&view.base.y);
         let lost = Outcome::End(BranchEnd::Lost { parameter, error });
         (end.unwrap_or(lost), shortest)

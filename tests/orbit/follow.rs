@@ -752,9 +752,9 @@ fn drill_string(speed: f64) -> Result<Structure, Error> {
 }
 
 /// The start of a branch is a turning point of one coordinate. When stick of the bit passes it, the
-/// velocity of the bit at the start has a kink over the parameter, by more than a right angle in the
-/// units of the walk. The motion itself does not change: no bifurcation, and the branch goes on to
-/// motions that a simulation reaches.
+/// velocity of the bit at the start has a kink over the parameter, by more than a right angle in
+/// the units of the walk. The motion itself does not change: no bifurcation, and the branch goes on
+/// to motions that a simulation reaches.
 #[test]
 fn an_event_may_pass_the_start_at_a_sharp_corner() -> Result<(), Error> {
     let start = State::at_rest(4);
