@@ -124,7 +124,8 @@
 //!   isolated root of a polynomial in time, refined to the last bit.
 //! * **Stick** has closed formulas, and the velocity is v_b to the bit.
 //! * **Uniqueness.** From every state with v_r = 0 exactly one motion follows. In stick the contact
-//!   transmits the force F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
+//!   transmits the force F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s;
+//!   at F = γ²μ_s it is released.
 //! * **Accuracy.** The tolerance is relative to the scale of the motion. By default it is
 //!   round-off. The results agree with 22 reference motions, computed with 25 digits, within
 //!   1e-13·max(1, |value|).

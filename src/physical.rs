@@ -136,8 +136,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         self.system.law().law()
     }
 
-    /// The dimensionless system, for functions that this type does not have: [`bifurcation::along`]
-    /// for other parameters, and the formulas of [`analysis`](crate::analysis).
+    /// The dimensionless system, for functions that this type does not have: searches by
+    /// [`bifurcation::along`], and the formulas of [`analysis`](crate::analysis).
     pub fn dimensionless(&self) -> &MassOnBelt<Scaled<L>> {
         &self.system
     }

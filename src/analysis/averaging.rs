@@ -74,8 +74,8 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 /// Slope dA'/dA of the [`drift`] A' at the amplitude A ≥ 0, dimensionless: the growth rate of a
 /// perturbation of the amplitude.
 ///
-/// The error is O(ε²), as for the drift. If v_b ≠ 0 and μ̂(0) > 0, the slope tends to −∞ as A falls
-/// to |v_b|.
+/// The error is O(ε²), as that of [`drift`], where ε is defined. If v_b ≠ 0 and μ̂(0) > 0, the
+/// slope tends to −∞ as A falls to |v_b|.
 ///
 /// # Errors
 ///

@@ -13,7 +13,7 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase at the largest belt velocity with a stick-slip cycle.
+/// The slip phase at the largest belt velocity at which a stick-slip cycle exists.
 ///
 /// This belt velocity is γ²(μ_s − μ_k)Λ. At the end of the phase the velocity of the mass reaches
 /// the belt velocity tangentially. The duration s and the factor Λ depend on the damping ratio β
@@ -34,8 +34,8 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// The slip phase at the largest belt velocity with a stick-slip cycle, for the damping ratio β.
-/// Exact to rounding. `None` unless 0 < β < 1.
+/// The slip phase at the largest belt velocity at which a stick-slip cycle exists, for the damping
+/// ratio β. Exact to rounding. `None` unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -213,9 +213,9 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// Undamped free vibration on a belt at rest, until static friction holds the mass.
 ///
 /// The amplitude falls by 4γ²μ_k in each cycle. Between two turning points the mass vibrates for
-/// half a period π about −γ²μ_k (forward motion) or γ²μ_k (backward motion). The turning points are
-/// u_n = (−1)ⁿ·sgn(u_0)·(|u_0| − 2nγ²μ_k), n = 0, 1, …. The mass comes to rest at the first turning
-/// point with |u| ≤ γ²μ_s. Dimensionless, exact.
+/// half a period, a time of π, about −γ²μ_k (forward motion) or γ²μ_k (backward motion). The
+/// turning points are u_n = (−1)ⁿ·sgn(u_0)·(|u_0| − 2nγ²μ_k), n = 0, 1, …. The mass comes to rest
+/// at the first turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;

@@ -30,10 +30,10 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// It is max(0, −½γ² dμ̂/ds), with the friction load γ² and the slope dμ̂/ds of the law at the
 /// sliding speed |v_b|. `None` if v_b = 0. The system's own β is ignored.
 ///
-/// With more damping, small disturbances decay. For the polynomial law, large disturbances also
-/// decay if friction is weak compared with the spring. If a law falls more steeply at other speeds
-/// (exponential), or jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although steady
-/// sliding is stable.
+/// With more damping, small disturbances decay. Large disturbances need not: with the exponential
+/// law, or with one that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although
+/// steady sliding is stable. With the polynomial law large disturbances decay, too, if friction is
+/// weak compared with the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: the eigenvalues of steady sliding have negative
 /// real parts if 2β + γ² dμ̂/ds > 0.

@@ -28,15 +28,15 @@
 //! W0 and W−1 are the branches of Lambert's function.
 //!
 //! With damping, the slip phase is a part of a damped vibration. In units of time 1/ω and length
-//! v/ω, all possible slip phases form a family with one parameter. A value of this parameter
-//! determines the duration of stick θ and, with F_s(θ), the belt velocity v. The cycles therefore
-//! form a curve in the plane of θ and v, which is known in closed form. Along the curve v has one
-//! maximum, the fold, at which a stable and an unstable cycle meet.
+//! v/ω, all possible slip phases form a family with one parameter, for example its duration. Each
+//! slip phase of the family fits one duration of stick θ and, because F_s depends on θ, one belt
+//! velocity v. The cycles therefore form a curve in the plane of θ and v, which is known in closed
+//! form. Along the curve v has one maximum, the fold, at which a stable and an unstable cycle meet.
 //!
-//! The unstable cycle exists down to the belt velocity N(μ_s(θ_g) − μ_k)Λω/k. At this velocity the
-//! mass reaches the belt velocity tangentially at the end of slip. Λ is the factor of
-//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip) for the damping ratio c/(2√(km)),
-//! and θ_g = 1/(Λω) is the duration of stick.
+//! At the lowest belt velocity of the unstable cycle, the mass reaches the belt velocity
+//! tangentially at the end of slip. Let Λ be the factor of
+//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip) for the damping ratio c/(2√(km)).
+//! The duration of stick is then θ_g = 1/(Λω), and the belt velocity N(μ_s(θ_g) − μ_k)Λω/k.
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
 //! Wear 173 (1994) 1-12, for the criterion; the other formulas follow from the exact solution of

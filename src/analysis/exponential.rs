@@ -124,10 +124,9 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
 
 /// Belt velocity above which no vibration lasts, dimensionless.
 ///
-/// It is 0 if β is at least [`silencing_damping_everywhere`], and ∞ if β = 0. `None` if β lies
-/// between 0 and this damping ratio, because no formula is known: above the higher Hopf velocity a
-/// stick-slip vibration can exist although steady sliding is stable. The system's own v_b is
-/// ignored.
+/// It is 0 if β is at least [`silencing_damping_everywhere`], and ∞ if β = 0. In between the result
+/// is `None`: no formula is known, because a stick-slip vibration can exist at belt velocities at
+/// which steady sliding is stable. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

@@ -1,4 +1,5 @@
-//! A forced oscillator with dry friction on a surface at rest: Den Hartog's motion without stops.
+//! A forced oscillator with dry friction on a surface at rest: Den Hartog's motion without pauses
+//! (stops) of stick.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 

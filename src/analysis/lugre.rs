@@ -35,8 +35,9 @@ pub struct SteadyBristles {
     pub rate: f64,
 }
 
-/// Steady sliding at a relative velocity r of either sign. Exact. `None` if r = 0, because any
-/// deflection is then in equilibrium, or if r is not finite.
+/// Deflection, coefficient and decay rate of the bristles in steady sliding at a relative velocity
+/// r of either sign. Exact. `None` if r = 0, because any deflection is then in equilibrium, or if r
+/// is not finite.
 ///
 /// ```
 /// use stick_slip::analysis::lugre::steady_bristles;

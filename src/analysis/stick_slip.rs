@@ -21,11 +21,12 @@ use crate::scalar::LONGEST;
 /// ```
 ///
 /// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at ū
-/// − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε
-/// ([`analysis`](super)), and the distance of the end from ū is larger by O(ε^{1/2}). The formulas
-/// are therefore inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T (as for the simpler T = 2π)
-/// and O(ε^{1/2}) in the durations. For a cubic law use [`first_order`](Self::first_order) and
-/// [`second_order`](Self::second_order). Range of validity: κ > 0, and for the polynomial law 0 <
+/// − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε,
+/// the small parameter of [`analysis`](super), and the distance of the end from ū is larger by
+/// O(ε^{1/2}). The formulas are therefore inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T
+/// (no better than T = 2π) and O(ε^{1/2}) in the durations. For a cubic law use
+/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order). Range of validity:
+/// κ > 0, and for the polynomial law 0 <
 /// |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.

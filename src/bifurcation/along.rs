@@ -44,8 +44,8 @@ pub fn along<'f, L: FrictionLaw>(
 /// The search of one system along its belt velocity. The methods of [`Along`] return the same
 /// results as [`hopf_velocities`](super::hopf_velocities),
 /// [`grazing_velocities`](super::grazing_velocities) and the other functions for belt velocities.
-/// Before the search, a bound of the work and a watcher can be set. The system's own v_b is
-/// ignored.
+/// Other methods of [`Along`] bound the work, or set a function that sees the progress and may stop
+/// the search. The system's own v_b is ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///

@@ -45,7 +45,7 @@ const LEAST_BEND: f64 = 0.25;
 /// only if its absolute value is less than 2c. An interval is divided further, into up to 2¹⁶
 /// parts, if extrema appear, disappear or move far in it, or if an extremum may reach zero between
 /// the two ends. Each zero of an extremum is enclosed between two neighbouring `f64` numbers. At
-/// both numbers |g| must be at most 10⁻⁹. An extremum that jumps over zero is therefore not
+/// both numbers |g| must be at most 10⁻⁹; otherwise g jumps over zero, and the velocity is not
 /// returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,

@@ -91,8 +91,8 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
 /// crossing, or crossing into overshoot (see [`CycleKind`](crate::limit_cycle::CycleKind)). At such
-/// a v_b, the mass crosses the belt velocity after release, and then returns to this velocity
-/// exactly at the release point.
+/// a v_b, the mass overtakes the belt after release, and when its velocity returns to v_b, its
+/// displacement is that at which stick ended.
 ///
 /// The range is searched in the same way as in [`grazing_velocities`].
 ///

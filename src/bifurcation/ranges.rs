@@ -69,10 +69,11 @@ pub fn vibration_ranges<L: FrictionLaw>(
 }
 
 /// An interval of belt velocities with the same attractors throughout, for a mass on a belt.
-/// Returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
+/// Returned by [`vibration_ranges`], which calls [`limit_cycle::find`](crate::limit_cycle::find())
+/// at each velocity that it tries.
 ///
-/// For any other system use [`orbit::VibrationRange`](crate::orbit::VibrationRange). This type also
-/// contains the reason for each border. The search that returns it can miss attractors.
+/// For any other system use [`orbit::VibrationRange`](crate::orbit::VibrationRange), which also
+/// contains the reason for each border. The search for any system can miss attractors.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

@@ -3,7 +3,7 @@
 /// A fault of a friction law, found by [`check_law`](crate::check_law). Speeds and widths are in
 /// the units of the law, slopes in 1/speed; coefficients are dimensionless.
 ///
-/// The message (`{fault}`) contains the remedy.
+/// The text that `Display` writes contains the remedy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LawFault {
@@ -45,8 +45,8 @@ pub enum LawFault {
         /// The speed at which μ̂ rises above 0 again, or the end of the range.
         to: f64,
     },
-    /// A feature of the law, such as a bump, is so narrow that a step may pass over it at high
-    /// speed.
+    /// A feature of the law, such as a bump, is so narrow that a step may pass over it if the
+    /// sliding speed changes fast.
     Narrow {
         /// The sliding speed at which the feature is most pronounced.
         speed: f64,

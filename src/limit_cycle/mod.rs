@@ -42,7 +42,7 @@
 //!
 //! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane cannot cross.
 //! For v_b > 0 every periodic motion is therefore of one of three kinds. (v_b < 0 is the mirror
-//! image. At v_b = 0 only free vibration without damping and kinetic friction is periodic.)
+//! image. At v_b = 0 only free vibration with neither damping nor kinetic friction is periodic.)
 //!
 //! * The motion **sticks**. Stick ends at the release point, so the motion is found from the one or
 //!   two slip arcs that begin at that point. This motion is stable, with multiplier 0

@@ -97,13 +97,15 @@ impl CycleSet {
     /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
     /// the number of cycles is not resolved.
     ///
-    /// * In a narrow range, motions decay strongly at the lower end and grow strongly at the upper
-    ///   end. Such a range contains at least one unstable cycle, usually one cycle in all. If there
-    ///   are more, stable cycles lie between unstable ones.
-    /// * In a wide range, motions change over one period by no more than rounding errors. Averaging
+    /// There are three reasons:
+    ///
+    /// * Motions decay strongly at the lower end of the range and grow strongly at its upper end,
+    ///   and the range is too narrow to be divided. It contains at least one unstable cycle,
+    ///   usually one cycle in all. If there are more, stable cycles lie between unstable ones.
+    /// * Motions in the range change over one period by no more than rounding errors. Averaging
     ///   does not show whether all of these motions decay, or all of them grow and leave the range.
-    /// * If a law has thousands of waves, a search ends after 2·10⁵ steps, and the rest of its
-    ///   range is unresolved.
+    /// * A law has thousands of waves: a search ends after 2·10⁵ steps, and the rest of its range
+    ///   is unresolved.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

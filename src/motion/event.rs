@@ -9,7 +9,7 @@ use crate::state::{Direction, State};
 )]
 pub enum Mode {
     /// The surfaces move together: the velocity of a mass on a belt equals the belt velocity bit
-    /// for bit. In an elastic contact the slider sticks.
+    /// for bit. In an elastic contact, a spring in series with a slider, the slider sticks.
     Stick,
     /// The surfaces slide on each other, in this direction.
     Slip(Direction),
@@ -55,11 +55,11 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// The mode of the contact after the event.
+    /// The mode of the contact after the event; `Stick` for every `Close`.
     ///
     /// After a `Close` event the contact sticks or slips, depending on its relative velocity. The
-    /// kind of the event does not contain this velocity, so this function returns `Stick` for
-    /// `Close`. [`Trajectory::mode_at`](crate::Trajectory::mode_at) returns the true mode.
+    /// kind of the event does not contain this velocity.
+    /// [`Trajectory::mode_at`](crate::Trajectory::mode_at) returns the true mode.
     ///
     /// ```
     /// use stick_slip::{Direction, EventKind, Mode};

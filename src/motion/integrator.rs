@@ -88,8 +88,8 @@ impl Integrator {
 
     /// Sets the time at which the motion starts; 0 unless set.
     ///
-    /// The drives of a [`Structure`](crate::Structure) are functions of time. The times of events
-    /// and states are values of the same time: the first state has the start time, not 0.
+    /// The drives of a [`Structure`](crate::Structure) are functions of time. Events and states
+    /// have times on the same scale: the first state has the start time, not 0.
     ///
     /// # Errors
     ///

@@ -33,8 +33,9 @@ pub enum Attractor<S: System> {
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// In 1.3·10⁵ steps no periodic motion within 16 returns (see [`classify`]) was found. The
-    /// motion is chaotic or quasi-periodic, or a transient decays very slowly.
+    /// In 1.3·10⁵ steps no periodic motion was found that closes after at most 16 periods of the
+    /// drives or, without drives, 16 returns to the section of [`classify`]. The motion is chaotic
+    /// or quasi-periodic, or a transient decays very slowly.
     /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }

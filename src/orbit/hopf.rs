@@ -168,9 +168,9 @@ fn sign_change(
 /// sliding. If no motion is found, smaller values of ε are tried.
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
-/// ([`HopfPoint`](crate::bifurcation::HopfPoint) contains l1). If friction is linear in the sliding
-/// speed until a contact sticks (as with Coulomb's law), small periodic motions exist at p0 only
-/// and form a continuum. One of these motions is returned. The branch of motions at other
+/// ([`HopfPoint`](crate::bifurcation::HopfPoint) contains l1). If friction is constant or linear in
+/// the sliding speed (Coulomb's law), and no contact sticks, small periodic motions exist at p0
+/// only and form a continuum. One of these motions is returned. The branch of motions at other
 /// parameters begins with the motion whose largest velocity equals the belt velocity.
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, sections 3.4, 5.4 and 10.2.

@@ -74,18 +74,17 @@
 //! drives ([`Period::Driven`]), and its start is the state at time 0. If all drives are constant,
 //! the system is autonomous: the motion may begin anywhere on its orbit, and its period is unknown
 //! ([`Period::Free`]). A phase condition then fixes the start: the start lies on the plane through
-//! the guess, normal to the flow at the guess. If all masses stick to moving belts, the flow is the
-//! motion of the belts. The guess may lie in a stick phase. If the contact that sticks is a
-//! [`Dwell`](crate::Dwell) contact, its memory variable in the guess must be the time since the
-//! beginning of stick.
+//! the guess, normal to the flow x' at the guess. The guess may lie in a stick phase. If the
+//! contact that sticks is a [`Dwell`](crate::Dwell) contact, its memory variable in the guess must
+//! be the time since the beginning of stick.
 //!
 //! # Motions that are translated
 //!
 //! A shaft that turns, or a chain of masses that no spring holds to the ground, can be displaced as
 //! a whole without changing any force. With the stiffness matrix K of the
-//! [`Structure`](crate::Structure), there is then a direction e with K e = 0, and every load
-//! gradient is normal to e. Let q be the displacements and v the velocities. Motions of this system
-//! can be periodic up to a translation φ e with a number φ:
+//! [`Structure`](crate::Structure), there is then a direction e with K e = 0, and no normal load
+//! depends on displacements along e. Let q be the displacements and v the velocities. Motions of
+//! this system can be periodic up to a translation φ e with a number φ:
 //!
 //! ```text
 //! q(T) = q(0) + φ e,    v(T) = v(0),
@@ -95,8 +94,8 @@
 //! ([`Orbit::mean_velocity`]). All searches detect the directions e themselves. There may be
 //! several directions, for example if only contacts and dampers connect several shafts. The
 //! position of the start along e is that of the guess. If C e = 0 for the damping matrix C, and b·e
-//! = 0 for the direction b of each contact, no force depends on the velocity along e either.
-//! Momentum along e is then conserved, and the mean velocity is that of the guess.
+//! = 0 for the direction b of each contact, no force depends on the velocity along e either. The
+//! mean velocity is then that of the motion from the guess.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -116,7 +115,8 @@
 //!
 //! The motion is periodic in the frame that moves at the mean velocity Ω. In this frame a surface
 //! of velocity w has the velocity w − Ω. The page
-//! [`structure`](crate::structure#frames-that-move-at-a-varying-speed) lists the other terms.
+//! [`structure`](crate::structure#frames-that-move-at-a-varying-speed) lists what else the
+//! equations of motion contain in such a frame.
 //!
 //! # Multipliers
 //!
@@ -127,8 +127,8 @@
 //! perturbation along an eigenvector is multiplied by μ in each period.
 //!
 //! * In stick the perturbation of the velocity vanishes: if k contacts stick at the same time, at
-//!   least k multipliers are exactly 0. Static friction that rises during stick depends on the
-//!   duration of stick, so a motion with such a contact may have no multiplier 0.
+//!   least k multipliers are exactly 0. An exception is static friction that rises during stick: it
+//!   remembers the duration of stick, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
 //!   grows nor decays. [`Orbit::multipliers`] does not contain this multiplier.
 //! * A [translation](#motions-that-are-translated) has the multiplier 1. A velocity along e on
@@ -136,9 +136,9 @@
 //!   these multipliers either.
 //! * A memory variable that does not influence the motion has the multiplier 0.
 //! * If a contact never slips, the motion belongs to a continuous family. [`Orbit::unslipped`]
-//!   lists such contacts, and [`Orbit::multipliers`] does not contain their multipliers 1. In any
-//!   other continuous family an additional multiplier is 1, and `multipliers` contains it. In each
-//!   family the motion nearest the guess is found.
+//!   lists such contacts, and [`Orbit::multipliers`] does not contain the multipliers 1 of this
+//!   family. In any other continuous family an additional multiplier is 1, and `multipliers`
+//!   contains it. In each family the motion nearest the guess is found.
 //!
 //! The period map has no derivative at grazing, or if several events happen at the same instant.
 //! For simultaneous events the matrix is computed as if they followed one another in the order of

@@ -15,8 +15,8 @@ use crate::structure::{Energies, EnergyBudget, Structure};
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. The trait is
 /// sealed, like [`System`].
 ///
-/// The searches treat a belt as a structure of one mass. Their results for a belt contain
-/// trajectories of [`MassOnBelt`].
+/// The searches treat a [`MassOnBelt`] as a structure of one mass. Their results contain
+/// trajectories of the type that was given.
 pub trait Oscillator: System {
     /// The general form of a state.
     #[doc(hidden)]

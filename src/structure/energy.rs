@@ -23,9 +23,9 @@ use crate::state::structure::State;
 /// ```
 ///
 /// E is the energy of a state, and `stored` is E at the end of the motion minus E at its start. The
-/// other terms are integrals over the power series of the motion. Both balances hold up to
-/// rounding; [`defect`](Self::defect) is the residual of the balance of `stored`. Over a period of
-/// a periodic motion `stored` is 0.
+/// other terms are integrals over the power series of the motion. The equations for
+/// `stored` and `drive_work` hold up to rounding; [`defect`](Self::defect) is the residual of the
+/// equation for `stored`. Over a period of a periodic motion `stored` is 0.
 ///
 /// The symbols are those of [`Structure`] and [`Contact`](crate::Contact). λ is the friction force
 /// of a contact; in an elastic contact of stiffness k_t it is T. N and k_n are the load and the
@@ -141,7 +141,7 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::WrongSize`] if the motion belongs to another structure; [`Error::InvalidState`],
-    /// with the numbers of a state of the motion, if an energy overflows.
+    /// with a displacement and a velocity of the motion, if an energy overflows.
     pub fn energy_budget(&self, motion: &Trajectory<State>) -> Result<EnergyBudget, Error> {
         let model = self.model();
         check_motion(&model, motion)?;

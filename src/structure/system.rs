@@ -39,11 +39,12 @@ use crate::friction::memory::ContactLaw;
 ///
 /// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
 ///   satisfies the equations, and the contacts follow it;
-/// * otherwise the *fastest yields first*: each contact starts with its static limit N μ_s. Among
-///   the contacts that cannot stick, the contact with the largest |r'|/(G_cc N μ_s) drops to its
-///   kinetic friction. r' is the relative acceleration, and G_cc = b_cᵀM⁻¹b_c. Then the decision is
-///   repeated for the other contacts. Friction that falls from its static to its kinetic value over
-///   a small range of sliding speeds leads to this rule as the range shrinks to 0.
+/// * otherwise the *fastest yields first*. Let r' be the relative acceleration of a contact and
+///   G_cc = b_cᵀM⁻¹b_c. Each contact starts with its static limit N μ_s. Among the contacts that
+///   cannot stick, the contact with the largest |r'|/(G_cc N μ_s) drops to its kinetic friction.
+///   Then the decision is repeated for the other contacts. Friction that falls from its static to
+///   its kinetic value over a small range of sliding speeds leads to this rule as the range shrinks
+///   to 0.
 ///
 /// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
 /// dependent (parallel clutches) may slide. If all of them would stick at the same time, the motion

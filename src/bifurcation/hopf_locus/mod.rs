@@ -59,8 +59,8 @@ pub struct SpecialHopfPoint {
 impl HopfPoint {
     /// Returns whether the motion that is born at this point is stable (supercritical) or unstable
     /// (subcritical), from the sign of the first Lyapunov coefficient. If another eigenvalue has a
-    /// positive real part, the motion is unstable in both cases. If friction is linear in the
-    /// sliding speed until a contact sticks (Coulomb's law), the point is degenerate.
+    /// positive real part, the motion is unstable in both cases. If friction is constant
+    /// or linear in the sliding speed (Coulomb's law), the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {

@@ -60,7 +60,8 @@ pub enum LocusKind {
     },
     /// At an instant of zero relative velocity, the force that the contact needs to stick equals
     /// the static limit. On one side of the curve the contact sticks at this instant. On the other
-    /// side it slips on in the opposite direction.
+    /// side the relative velocity passes through 0, and the contact slips in the opposite
+    /// direction.
     StopOnset {
         /// The contact.
         contact: usize,
