@@ -87,11 +87,8 @@ impl Solved {
     /// Returns true if another motion has the same events in the same order from the start, so that
     /// the curve is smooth between them.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        self.sequence.is_like(&other.sequence) && self.first_modes() == other.first_modes()
-    }
-
-    fn first_modes(&self) -> Option<&[Mode]> {
-        self.trial.map.first_modes()
+        let [first, others] = [self, other].map(|solved| solved.trial.map.first_modes());
+        self.sequence.is_like(&other.sequence) && first == others
     }
 }
 
@@ -378,11 +375,14 @@ impl Curve<'_> {
             y.rows_mut(0, self.order)
                 .copy_from(&vector(&trial.map.start, self.order));
             let growth = trial.map.growth();
-            let end_modes = trial.map.end_modes().to_vec();
+            let end_modes = trial.map.end_modes();
             let is_fine = before < COARSE / (growth * growth);
             let (_, slope) = match &mut slope {
-                Some(slope) if is_fine && slope.0 == end_modes => slope,
-                slope => slope.insert((end_modes, self.by_parameter(&y, &trial, &modes))),
+                Some(slope) if is_fine && slope.0 == *end_modes => slope,
+                slope => {
+                    let by_parameter = self.by_parameter(&y, &trial, &modes);
+                    slope.insert((end_modes.to_vec(), by_parameter))
+                }
             };
             let (mut matrix, mut right) = self.linearised(&y, &trial, slope, plane.scale);
             let last = self.unknowns() - 1;
