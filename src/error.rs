@@ -295,8 +295,9 @@ pub enum Error {
     },
 
     /// A curve was requested for a change of events that [`orbit::locus`](crate::orbit::locus)
-    /// cannot follow. That search follows grazings of a slipping contact, onsets of stops, and
-    /// changes of the order of events of two contacts.
+    /// cannot follow. That search follows grazings of a slipping contact, onsets of stops (a
+    /// contact that slips through relative velocity 0 begins to stick there), and changes of the
+    /// order of events of two contacts.
     #[error(
         "no curve of this bifurcation can be followed: no grazing of a slipping contact, no onset \
          of a stop and no two simultaneous events are near; give a bifurcation of one of these \
@@ -353,7 +354,8 @@ pub enum Error {
         coefficients: Option<[f64; 2]>,
     },
 
-    /// The force of an elastic contact in the start state exceeds the limit force μN of its slider.
+    /// The force of an elastic contact in the start state exceeds the limit force μN of its slider
+    /// (coefficient μ, normal load N).
     #[error(
         "elastic contact {contact} cannot carry {} at the start: its limit force μN is {} there; \
          start with a smaller force",
@@ -385,8 +387,9 @@ pub enum Error {
 
     /// A step became so short that the time no longer changes, or the power series of a step
     /// overflows. The causes are a motion that grows without bound, an undeclared kink or jump of
-    /// the law, or a slope γ²·dμ̂/ds beyond about 1e20. In a structure, another cause is a
-    /// stiffness with a natural frequency of the order of 1e12 per unit of time or more.
+    /// the law, or a slope γ²·dμ̂/ds of friction beyond the order of 1e20 (γ²: load, μ̂: kinetic
+    /// coefficient, s: sliding speed). In a structure, another cause is a stiffness with a natural
+    /// frequency of the order of 1e12 per unit of time or more.
     #[error(
         "the step size fell to {} {reached}: {}",
         Plain(*step),
@@ -493,8 +496,8 @@ pub enum Error {
         start: State,
     },
 
-    /// A search along a parameter was stopped by its watcher, or at its largest number of steps.
-    /// The largest number is
+    /// A search along a parameter was stopped by its watcher, a function set by the caller, or at
+    /// its largest number of steps. The largest number is
     /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
     /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another number. If
     /// the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is

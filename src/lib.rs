@@ -114,7 +114,7 @@
 //! | [`limit_cycle::Continuum`] | half the range of displacements, for the largest motion of a family of periodic motions |
 //! | [`analysis::PureSlip::amplitude`] | A0 of the source paper, Eq. 15: the amplitude of both displacement and velocity, to first order |
 //! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: the amplitude of a slip arc that gains no energy from friction |
-//! | [`analysis::averaging`] | the amplitude of the harmonic motion that averaging assumes |
+//! | [`analysis::averaging`] | the amplitude of the harmonic motion that the method of averaging assumes |
 //! | [`LimitCycle::harmonics`] | the complex amplitudes of the displacement, one for each harmonic |
 //! | [`Drive::harmonic`] | the largest value of one harmonic |
 //!
@@ -133,9 +133,10 @@
 //! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
 //!   reached. It does not panic or hang.
 //! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle that sticks.
-//!   [`limit_cycle::find`] misses only very small or very large cycles without stick, and pairs of
-//!   cycles very close together; its page states the [limits](limit_cycle#what-is-guaranteed). Each
-//!   function of [`bifurcation`] says how densely it searches.
+//!   [`limit_cycle::find`] may miss very small or very large cycles without stick, and pairs of
+//!   cycles close together, and it reports the ranges that it cannot resolve: its page states the
+//!   exact [limits](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how
+//!   densely it searches.
 //!
 //! The page [`guarantees`] states each promise exactly, with the test that checks it, and the
 //! [conventions at zero relative velocity](guarantees#conventions-at-zero-relative-velocity).

@@ -32,12 +32,12 @@
 //! | [`AnyContactLaw`](crate::AnyContactLaw) | `dry`, `dwell`, `dahl` or `lugre`, with that law | yes |
 //! | [`Scaled`](crate::Scaled) | `law`, `velocity_unit` (m/s) | yes |
 //! | [`Physical`](crate::Physical) | `mass`, `stiffness`, `damping`, `normal_force`, `belt_velocity`, in SI units | yes |
-//! | [`Scaling`](crate::Scaling) | `physical`, [`length` = N/K] | yes |
+//! | [`Scaling`](crate::Scaling) | `physical`, [`length` = `normal_force`/`stiffness`] | yes |
 //! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`, [`damping` = 0], [`load` = 1] | yes |
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
 //! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
-//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, b]; unless given, `coordinate` alone with b = 1], `law`: a map from the name of the law to the law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0], [`tangential_stiffness`: of an elastic contact], [`normal_spring`: a list of [coordinate, d], and k_n] | yes |
+//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, coefficient]; unless given, `coordinate` with the coefficient 1], `law`: a map from the name of the law to the law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0], [`tangential_stiffness`: of an elastic contact], [`normal_spring`: a list of [coordinate, coefficient], and the stiffness] | yes |
 //! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
@@ -46,7 +46,7 @@
 //! | [`CycleKind`](crate::CycleKind) | `pure_slip`, `stick_slip`, `overshoot`, `crossing` | yes |
 //! | [`Stability`](crate::Stability) | `stable_focus`, `stable_node`, `center`, `unstable_focus`, `unstable_node` | yes |
 //! | [`Criticality`](crate::bifurcation::Criticality) | `supercritical`, `subcritical`, `degenerate` | yes |
-//! | [`Equilibrium`](crate::Equilibrium) | `displacement`, `effective_damping` (h1), `stability` | no |
+//! | [`Equilibrium`](crate::Equilibrium) | `displacement`, `effective_damping`, `stability` | no |
 //! | [`LimitCycle`](crate::LimitCycle) | `kind`, `belt_velocity`, `damping`, `multiplier`, `period`, `stick_duration`, `amplitude`, `mean_displacement`, `max_velocity`, `min_velocity`, `energy`, `state` (its start), `events` | no |
 //! | [`EnergyBudget`](crate::EnergyBudget) | `drive_work`, `belt_work`, `damper_loss`, `friction_loss` | no |
 //! | [`CycleSet`](crate::CycleSet) | `cycles`, `continuum`, `unresolved`: a list of `start`, `end` | no |

@@ -78,7 +78,7 @@ impl Drive {
         }
     }
 
-    /// Creates the drive A·cos(Ωt + φ).
+    /// Creates the drive A·cos(Ωt + φ) of amplitude A, angular frequency Ω and phase φ.
     ///
     /// # Errors
     ///
@@ -87,7 +87,7 @@ impl Drive {
         Self::constant(0.0).with_harmonic(amplitude, angular_frequency, phase)
     }
 
-    /// Creates the drive A·sin(Ωt), which is exactly 0 at t = 0.
+    /// Creates the drive A·sin(Ωt) of amplitude A and angular frequency Ω, exactly 0 at t = 0.
     ///
     /// # Errors
     ///
@@ -135,7 +135,7 @@ impl Drive {
         Ok(self)
     }
 
-    /// Adds A·cos(Ωt + φ).
+    /// Adds A·cos(Ωt + φ), with the amplitude A, the angular frequency Ω and the phase φ.
     ///
     /// # Errors
     ///
@@ -152,7 +152,7 @@ impl Drive {
         self.with_waves(angular_frequency, amplitude * cosine, -amplitude * sine)
     }
 
-    /// Adds A·sin(Ωt).
+    /// Adds A·sin(Ωt), with the amplitude A and the angular frequency Ω.
     ///
     /// # Errors
     ///

@@ -41,14 +41,14 @@ impl std::fmt::Display for Mode {
 pub enum EventKind {
     /// Slip ends, and the contact sticks.
     Stick,
-    /// Stick ends (slip onset): the stick force reaches the static limit, γ²μ_s for a mass on a
-    /// belt.
+    /// Stick ends (slip onset): the stick force reaches the static limit, the normal load times the
+    /// static coefficient.
     Release(Direction),
     /// The relative velocity changes its sign, and the contact does not stick: the force in stick
     /// would exceed the static limit, or the law has no stick.
     Crossing(Direction),
-    /// The normal load falls below 0, and the friction force becomes 0. A load that only touches 0
-    /// is no event: see [`Contact`](crate::Contact).
+    /// The normal load falls below 0, or falls to 0 and stays 0. The friction force is then 0. A
+    /// load that only touches 0 is no event: see [`Contact`](crate::Contact).
     Open,
     /// The normal load rises above 0 again, and friction acts again.
     Close,

@@ -66,10 +66,10 @@ impl Integrator {
     /// velocity. In a [`Structure`](crate::Structure) each coordinate has its own scale, formed
     /// from its velocity, its acceleration and the velocity of its belt.
     ///
-    /// A slip phase of a `MassOnBelt` is stiff if its effective damping D = 2β + γ²·dμ̂/ds is
-    /// large. The scale is then max(|v|, |v_b|, |v'|/|D|), and 1e-12 replaces any larger tolerance.
-    /// The smaller tolerance costs few steps: see
-    /// [`guarantees`](crate::guarantees#one-mass-on-a-belt).
+    /// A slip phase of a `MassOnBelt` is stiff if its effective damping D = 2β + γ²·dμ̂/ds is large
+    /// (β: damping ratio, γ²: friction load, μ̂: kinetic coefficient, s: sliding speed). The scale
+    /// is then max(|v|, |v_b|, |v'|/|D|), and 1e-12 replaces any larger tolerance. The smaller
+    /// tolerance costs few steps: see [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
     ///

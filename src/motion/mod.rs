@@ -29,7 +29,7 @@ pub(crate) mod sealed {
 }
 
 /// A system with equations of motion for the [`Integrator`]: [`MassOnBelt`](crate::MassOnBelt) or
-/// [`Structure`](crate::Structure). Sealed: no other type can implement it.
+/// [`Structure`](crate::Structure). The trait is sealed: no other type can implement it.
 pub trait System: sealed::Sealed {
     /// The state of the system at one time.
     type State: SystemState;
@@ -44,8 +44,8 @@ pub trait System: sealed::Sealed {
 }
 
 /// The state of a system: [`State`](crate::State) of one mass, or
-/// [`structure::State`](crate::structure::State) of several. Sealed: no other type can implement
-/// it.
+/// [`structure::State`](crate::structure::State) of several. The trait is sealed: no other type can
+/// implement it.
 pub trait SystemState: sealed::Sealed + Clone {
     /// The type of a step of the motion.
     type Step: Segment<State = Self>;
@@ -61,8 +61,8 @@ pub trait SystemState: sealed::Sealed + Clone {
     ) -> Result<Trajectory<Self>, Error>;
 }
 
-/// A step of any system: a part of a motion with events only at its end. Sealed: no other type can
-/// implement it.
+/// A step of any system: a part of a motion with events only at its end. The trait is sealed: no
+/// other type can implement it.
 ///
 /// All times are in the units of the system.
 pub trait Segment: sealed::Sealed + Clone {

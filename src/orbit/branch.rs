@@ -42,7 +42,7 @@ pub struct Bifurcation<S: System> {
     /// The kind of bifurcation.
     pub kind: BifurcationKind,
     /// The motion at the bifurcation. At a change of the event sequence there is a motion on each
-    /// side; this is the one in which perturbations grow less within a period.
+    /// side; `orbit` is the motion in which perturbations grow less within a period.
     pub orbit: Orbit<S>,
     /// The number of the last point of the branch before it.
     pub(super) behind: usize,
@@ -70,11 +70,11 @@ pub enum BifurcationKind {
     /// A multiplier of a symmetric motion is +1, but the branch continues. Two motions without the
     /// symmetry, mirror images of each other, are born. [`Bifurcation::switch`] finds one of them.
     ///
-    /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
-    /// Consider the map over half a period, followed by the reflection x → c − x. At a pitchfork
-    /// this map has the multiplier −1. (The multipliers of a symmetric motion are the squares of
-    /// those of this map. A simple multiplier −1 is impossible, because i and −i are then both
-    /// multipliers of this map. A symmetric motion therefore has no flip.)
+    /// A motion x(t) of period T is symmetric if x(t + T/2) = c − x(t) with constant c: see
+    /// [`Orbit::is_symmetric`]. Consider the map over half a period, followed by the reflection of
+    /// x to c − x. At a pitchfork this map has the multiplier −1. (The multipliers of a symmetric
+    /// motion are the squares of those of this map. A simple multiplier −1 is impossible, because i
+    /// and −i are then both multipliers of this map. A symmetric motion therefore has no flip.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: quasi-periodic motions on a torus are born.
     NeimarkSacker,
@@ -109,9 +109,9 @@ impl fmt::Display for BifurcationKind {
 ///
 /// For a Hopf point of a mass on a belt, the sign of d³μ̂/ds³(v_b) decides: the third derivative of
 /// the kinetic friction coefficient μ̂(s) at the belt velocity. The amplitude A obeys the averaged
-/// equation A' = −½h1 A − (3/8)h3 A³, where h1 is the damping of steady sliding, h3 = (γ²/6)
-/// d³μ̂/ds³(v_b), and γ² is the friction load (Eq. 12 of Farshidianfar and Noei Aghaee, for any
-/// law). For a Hopf point of a structure, the sign of the first Lyapunov coefficient decides.
+/// equation A' = −½h1 A − (3/8)h3 A³ with h1 = 2β + γ² dμ̂/ds(v_b), h3 = (γ²/6) d³μ̂/ds³(v_b), the
+/// damping ratio β and the friction load γ² (Eq. 12 of Farshidianfar and Noei Aghaee, for any law).
+/// For a Hopf point of a structure, the sign of the first Lyapunov coefficient decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -125,8 +125,9 @@ pub enum Criticality {
     /// The new motions are unstable and exist where the old motion is still stable (for a mass on a
     /// belt: d³μ̂/ds³(v_b) < 0).
     Subcritical,
-    /// Not decided: the coefficient is NaN, or it is 0 and terms of higher order decide. For a flip
-    /// or a pitchfork: the multipliers do not determine the side.
+    /// Not decided. For a Hopf point: the third derivative of μ̂ or the first Lyapunov coefficient
+    /// is NaN, or is 0, for example if friction is constant or linear in the sliding speed. For a
+    /// flip or a pitchfork: the multipliers do not determine the side.
     Degenerate,
 }
 
@@ -214,13 +215,13 @@ pub enum BranchEnd {
     /// A limit of work was reached: 2048 points, 10⁷ integration steps or 50 000 motions tried, in
     /// one direction. [`Search`](super::Search) sets other limits of points and steps.
     Work,
-    /// The watcher stopped the search.
+    /// The watcher of the [`Search`](super::Search) stopped the search.
     Stopped {
         /// The last parameter at which a motion was found.
         parameter: f64,
     },
-    /// The motion was lost: the family returns an error at the next parameter, or Newton's method
-    /// does not converge even with the shortest step.
+    /// The motion was lost: the function `family` returns an error at the next parameter, or
+    /// Newton's method does not converge even with the shortest step.
     Lost {
         /// The last parameter at which a motion was found.
         parameter: f64,

@@ -131,8 +131,8 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// least 256 steps. First, no event happens. Second, no velocity is larger than 10⁻⁶ of the largest
 /// velocity of a mass or a belt so far. If masses can be displaced together without changing any
 /// force (see [translations](super#motions-that-are-translated)), velocities may have any size, but
-/// none may vary by more than this. A start exactly on an unstable equilibrium, or on an unstable
-/// periodic motion, stays there: perturb the start.
+/// none may vary by more than 10⁻⁶ of the largest. A start exactly on an unstable equilibrium, or
+/// on an unstable periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
 /// [`shoot`]; a motion that needs more counts as irregular. If its transient is longer, as with

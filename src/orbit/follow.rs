@@ -40,23 +40,25 @@ use crate::state::structure::State;
 /// two neighbouring motions differ, bisection brackets the change of events, down to neighbouring
 /// numbers or to the rounding error of the motions. The branch then continues beyond the change.
 ///
-/// Let s be the arclength and μ_i the multipliers. A test function changes its sign at a
-/// bifurcation:
+/// Let s be the arclength and μ_i the [multipliers](Orbit::multipliers), without the multiplier 1
+/// that every autonomous motion has. A test function changes its sign at a bifurcation:
 ///
-/// * fold: dp/ds or Π(1 − μ_i);
+/// * fold: dp/ds and Π(1 − μ_i); the change of one of them is enough;
+/// * pitchfork of a symmetric motion: Π(1 − μ_i);
 /// * flip: Π(1 + μ_i);
-/// * Neimark-Sacker bifurcation, if a complex pair lies on the unit circle: Π(1 − μ_i μ_j).
+/// * Neimark-Sacker bifurcation, if a complex pair lies on the unit circle: Π(1 − μ_i μ_j) over all
+///   pairs i < j.
 ///
 /// Each bifurcation is then refined along the arclength. Newton's method corrects every motion that
 /// is tried. Two bifurcations of the same kind within one step (at most 1/64 of the range) can be
-/// missed. In a narrower range the steps are shorter. In a continuum of motions one multiplier is
-/// always 1. Of the motions of the continuum, the branch contains the one nearest the guess at the
-/// end of the tangent step.
+/// missed. In a narrower range the steps are shorter. If a system has a continuum of periodic
+/// motions, one multiplier is always 1. Newton's method then finds the motion of the continuum
+/// nearest the end of the step along the tangent.
 ///
 /// In each direction the limits are 2048 points, 50 000 motions tried, and 10⁷ integration steps of
-/// all these motions. [`Search`] sets other limits of points and steps and accepts a watcher; the
-/// page of `Search` states the cost. If a motion is lost, the branch up to this motion is returned.
-/// [`Branch::ends`] gives the reason for each end.
+/// all these motions. [`Search`] sets other limits of points and steps, and accepts a watcher, a
+/// function that can stop the search. Its page states the work of a branch. If a motion is lost,
+/// the branch up to this motion is returned. [`Branch::ends`] gives the reason for each end.
 ///
 /// A motion can jump as the parameter passes a value. If the jump is less than 1e-3 of the motion's
 /// size, and a neighbouring motion is found on the other side, the branch continues with the

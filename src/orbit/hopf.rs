@@ -149,18 +149,19 @@ fn sign_change(
 /// continues this motion to its branch: in one direction down to the Hopf point, in the other to
 /// larger motions, such as stick-slip.
 ///
-/// `near` is a value of the parameter near the Hopf point. At this value a pair of eigenvalues s of
-/// steady sliding must lie near the imaginary axis: |Re s| ≤ 0.2 |Im s|. First the Hopf point
-/// itself is computed: the parameter p0, with eigenvalues ±iω. Let A be the Jacobian matrix of
-/// steady sliding x̄ at p0. Let q and u be the right and left eigenvectors of A, with Aq = iωq, Aᵀu
-/// = −iωu and ūᵀq = 1. Newton's method finds the start x(0), the period T and the parameter p of
-/// the motion. The first guess is p = p0 and
+/// `family` returns the system for a value of the parameter. `near` is a value of the parameter
+/// near the Hopf point. At this value a pair of eigenvalues s of steady sliding must lie near the
+/// imaginary axis: |Re s| ≤ 0.2 |Im s|. First the Hopf point itself is computed: the parameter p0,
+/// with eigenvalues ±iω. Let x_s be the state of steady sliding at p0, and A the Jacobian matrix
+/// there. Let q and u be the right and left eigenvectors of A: Aq = iωq, Aᵀu = −iωu, and ūᵀq = 1
+/// with the complex conjugate ū of u. Newton's method finds the start x(0), the period T and the
+/// parameter p of the motion. The first guess is p = p0 and
 ///
 /// ```text
-/// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω.
+/// x(0) = x_s + 2ε Re(q e^{iφ}),    T = 2π/ω.
 /// ```
 ///
-/// Newton's method keeps the start on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε. The result satisfies Re
+/// Newton's method keeps the start on the plane Re(u e^{iφ})ᵀ(x − x_s) = ε. The result satisfies Re
 /// s(p) + ω l1 ε² ≈ 0, where s(p) is the eigenvalue at p, and l1 is the first Lyapunov coefficient.
 /// The phase φ is chosen so that one coordinate is at a turning point at time 0. The amplitude ε is
 /// chosen so that the relative velocity of each contact varies by at most 0.3 of its value in
@@ -168,8 +169,8 @@ fn sign_change(
 /// sliding. If no motion is found, smaller values of ε are tried.
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
-/// ([`HopfPoint`](crate::bifurcation::HopfPoint) contains l1). If friction is constant or linear in
-/// the sliding speed (Coulomb's law), and no contact sticks, small periodic motions exist at p0
+/// ([`HopfPoint`](crate::bifurcation::HopfPoint) contains l1). If friction is constant (Coulomb's
+/// law) or linear in the sliding speed, and no contact sticks, small periodic motions exist at p0
 /// only and form a continuum. One of these motions is returned. The branch of motions at other
 /// parameters begins with the motion whose largest velocity equals the belt velocity.
 ///

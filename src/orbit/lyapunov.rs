@@ -68,7 +68,7 @@ pub fn lyapunov<S: Oscillator>(
 /// The mean is taken over a duration after a transient.
 ///
 /// ```text
-/// λ = lim ln(|δx(t)|/|δx(0)|)/t
+/// λ = lim ln(|δx(t)|/|δx(0)|)/t  for t → ∞
 /// ```
 ///
 /// A positive exponent means chaos. For a stable periodic motion the exponent is ln|μ|/T, with the

@@ -263,10 +263,10 @@ impl<S: System> Orbit<S> {
 
 impl<S: Oscillator> Orbit<S> {
     /// Complex amplitudes of the first n harmonics of a coordinate's displacement: (2/T)∮q
-    /// e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time counted from
-    /// [`state`](Self::state). The modulus is the amplitude of the harmonic. Each harmonic is
-    /// computed by a separate quadrature, so the cost grows with n². The list is empty if the
-    /// coordinate does not exist.
+    /// e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time t from the start of the period
+    /// ([`state`](Self::state)). The modulus is the amplitude of the harmonic. Each harmonic is
+    /// computed by a separate quadrature. The cost of the k-th is proportional to k, so that of n
+    /// harmonics grows as n². The list is empty if the coordinate does not exist.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {

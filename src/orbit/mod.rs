@@ -1,7 +1,7 @@
 //! Periodic motions of any system ([`MassOnBelt`](crate::MassOnBelt) or
 //! [`Structure`](crate::Structure)), with all their Floquet multipliers. Each motion is found from
-//! a guess and is exact to rounding. The module also computes branches of periodic motions over a
-//! parameter, Poincaré sections, and the largest Lyapunov exponent.
+//! a guess, a state near the motion, and is exact to rounding. The module also computes branches of
+//! periodic motions over a parameter, Poincaré sections, and the largest Lyapunov exponent.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -74,9 +74,9 @@
 //! drives ([`Period::Driven`]), and its start is the state at time 0. If all drives are constant,
 //! the system is autonomous: the motion may begin anywhere on its orbit, and its period is unknown
 //! ([`Period::Free`]). A phase condition then fixes the start: the start lies on the plane through
-//! the guess, normal to the flow x' at the guess. The guess may lie in a stick phase. If the
-//! contact that sticks is a [`Dwell`](crate::Dwell) contact, its memory variable in the guess must
-//! be the time since the beginning of stick.
+//! the guess, normal to the flow x' at the guess (x: state). The guess may lie in a stick phase. If
+//! the contact that sticks is a [`Dwell`](crate::Dwell) contact, its memory variable in the guess
+//! must be the time since the beginning of stick.
 //!
 //! # Motions that are translated
 //!

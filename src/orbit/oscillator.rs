@@ -15,8 +15,9 @@ use crate::structure::{Energies, EnergyBudget, Structure};
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. The trait is
 /// sealed, like [`System`].
 ///
-/// The searches treat a [`MassOnBelt`] as a structure of one mass. Their results contain
-/// trajectories of the type that was given.
+/// The searches treat a [`MassOnBelt`] as a structure of one mass. Their results contain the states
+/// of the given system: [`State`](crate::State) for a `MassOnBelt`, and
+/// [`structure::State`](crate::structure::State) for a `Structure`.
 pub trait Oscillator: System {
     /// The general form of a state.
     #[doc(hidden)]

@@ -16,8 +16,11 @@ pub enum Period {
     /// An autonomous motion, of a system in which no drive varies. The number is an estimate of the
     /// motion's period, in units of time.
     ///
-    /// The start of the motion lies on the plane through the guess, normal to the flow at the
-    /// guess. This is the phase condition.
+    /// A phase condition fixes the start of the motion. [`shoot`](super::shoot) and
+    /// [`settle`](super::settle) begin at a guess, a state near the motion: the start lies on the
+    /// plane through the guess, normal to the flow x' at the guess (x: state). In
+    /// [`follow`](super::follow()) and [`begin`](super::begin()) one coordinate is at a turning
+    /// point at the start.
     Free(f64),
 }
 

@@ -159,7 +159,8 @@ impl<S: System> Orbit<S> {
     /// If there are such contacts, the motion belongs to a continuous family. The position at which
     /// a rigid contact sticks is arbitrary. For an elastic contact the position of the slider is
     /// arbitrary, and so is the constant part of the force in the contact. The positions are those
-    /// of the guess. [`multipliers`](Self::multipliers) omits the multipliers 1 of the family.
+    /// of the state at which the search began. [`multipliers`](Self::multipliers) omits the
+    /// multipliers 1 of the family.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }

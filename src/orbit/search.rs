@@ -13,9 +13,9 @@ pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_ST
 /// Steps after which the watcher of a search is called again.
 pub(super) const LOOK_EVERY: usize = 1000;
 
-/// A search for periodic motions or Lyapunov exponents, with bounds of its work and a watcher. The
-/// methods of `Search` have the names of the functions of [`orbit`](super) and return the same
-/// results.
+/// A search for periodic motions or Lyapunov exponents, with bounds of its work and a watcher, a
+/// function that can stop the search. The methods of `Search` have the names of the functions of
+/// [`orbit`](super) and return the same results.
 ///
 /// # Cost
 ///
@@ -34,12 +34,12 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
 /// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | two to three times the work of the motion alone: for three masses, about 13 s at the limit of 10⁶ steps |
-/// | [`locus`](Self::locus) | for each point, three to five steps of Newton's method with about ten motions with derivatives each; on a curve of grazings, of beginning stops or of events at one time, each step takes one motion without derivative for each unknown |
+/// | [`locus`](Self::locus) | for each point, three to five steps of Newton's method with about ten motions with derivatives each; on a curve of grazings, of onsets of stops or of simultaneous events, each step takes one motion without derivative for each unknown |
 /// | [`follow`](Self::follow) | one or two motions with derivatives and some without for each point, and at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second, and a branch of a drill string of
-/// 20 inertias about ten seconds. Ranges with many bifurcations and
-/// motions with long periods take minutes. A watcher shows the progress, and can stop the search:
+/// 20 inertias about ten seconds. Ranges with many bifurcations, and motions with long periods,
+/// take minutes. A watcher shows the progress, and can stop the search:
 ///
 /// ```
 /// use std::ops::ControlFlow::{Break, Continue};
@@ -92,7 +92,7 @@ pub struct Progress {
     pub second: Option<f64>,
     /// Number of motions found so far, not counting the first motion; 0 in a search on one system.
     pub points: usize,
-    /// Steps taken so far.
+    /// Integration steps taken so far.
     pub steps: usize,
 }
 

@@ -211,11 +211,11 @@ pub(super) fn shortest(
 /// The periodic motion near a guess, by shooting: Newton's method with the exact derivative of the
 /// period map.
 ///
-/// The motion need not be stable. The residual x(T) − x(0) falls to rounding, about 1e-15 of the
-/// size of each component. Newton steps that would increase the residual are shortened. The
-/// sequence of events is not prescribed: it may differ from trial to trial. In a continuous family
-/// of motions the motion nearest the guess is found. Motions that grow or decay by less than 1e-11
-/// per period count as members of such a family.
+/// The motion need not be stable. Let x be the state and T the period. The residual x(T) − x(0)
+/// falls to rounding, of the order of 1e-15 of the size of each component. Newton steps that would
+/// increase the residual are shortened. The sequence of events is not prescribed: it may differ
+/// from trial to trial. In a continuous family of motions the motion nearest the guess is found.
+/// Motions that grow or decay by less than 1e-11 per period count as members of such a family.
 ///
 /// An autonomous motion must leave its start and return. The residual must therefore also be small
 /// relative to the extent of the motion, however small this extent is. This excludes two false
@@ -262,7 +262,7 @@ pub(super) fn shortest(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// [`Search`] sets a bound of the work and accepts a watcher.
+/// [`Search`] sets a bound of the work, and accepts a watcher, a function that can stop the search.
 #[doc(alias = "solve")]
 #[doc(alias = "Newton")]
 pub fn shoot<S: Oscillator>(

@@ -70,8 +70,9 @@ impl<S: System> Sweep<S> {
 }
 
 /// The attractors that a system reaches while a parameter rises through the given values and then
-/// falls through them again. Each motion starts from the last state of the motion before, as in a
-/// machine that is started, loaded and unloaded.
+/// falls through them again. `family` returns the system for a value of the parameter. Each motion
+/// starts from the last state of the motion before, as in a machine that is started, loaded and
+/// unloaded.
 ///
 /// If the results of the two directions differ at a value, the system has two attractors there. The
 /// past of the motion then decides which attractor it reaches (hysteresis). Do not search for a
@@ -116,7 +117,8 @@ impl<S: System> Sweep<S> {
 /// bifurcation the transient may be longer than the 1.3·10⁵ steps of `classify`. The change then
 /// appears at a later value.
 ///
-/// [`Search::sweep`] sets a bound of the work and accepts a watcher.
+/// [`Search::sweep`] sets a bound of the work, and accepts a watcher, a function that can stop the
+/// search.
 ///
 /// # Errors
 ///

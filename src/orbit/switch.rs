@@ -37,9 +37,10 @@ impl<S: Oscillator> Bifurcation<S> {
     /// `family` is the family that was followed. At a flip the new motion has twice the period. At
     /// a pitchfork the new motion lacks the symmetry; its mirror image is a second new motion. Let
     /// G be the map over half the period of the new motion, at a pitchfork followed by the
-    /// reflection. Let x0 be the start of the motion at the bifurcation, and w the eigenvector with
-    /// G'w = −w of the Jacobian matrix G'. The start x of the new motion is sought near x0 + εw, on
-    /// a plane parallel to the old branch. The equations are
+    /// reflection of [`BifurcationKind::Pitchfork`]. Let x0 be the start of the motion at the
+    /// bifurcation, and w the eigenvector with G'w = −w of the Jacobian matrix G'. With a small
+    /// amplitude ε, the start x of the new motion is sought near x0 + εw, on a plane parallel to
+    /// the old branch. The equations are
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.

@@ -41,8 +41,9 @@ mod sealed {
 ///
 /// The other operand of `+`, `-`, `*` and `/` is a number of the same type, or an `f64` on the
 /// **right**, as in `speed * 3.0 + 1.0`. Rust does not allow an `f64` on the left of a generic
-/// number, so write `speed.recip()` or `speed.constant(1.0) / speed` for 1/s, and `speed * 0.1` for
-/// 0.1·s. With an `f64` on the left the compiler says "cannot multiply `{float}` by `S`":
+/// number s = `speed`, so write `speed.recip()` or `speed.constant(1.0) / speed` for 1/s, and
+/// `speed * 0.1` for 0.1·s. With an `f64` on the left the compiler says "cannot multiply `{float}`
+/// by `S`":
 ///
 /// ```compile_fail,E0277
 /// # use stick_slip::Scalar;
@@ -53,8 +54,9 @@ mod sealed {
 ///
 /// # Rules for a law
 ///
-/// * **Branches.** The same **base value** ([`value`](Self::value)) must always give the same
-///   sequence of operations: a branch may depend on the base value, but not on anything that
+/// * **Branches.** The **base value** ([`value`](Self::value)) of a number is the number itself for
+///   an `f64`, and the constant term of a power series. The same base value must always give the
+///   same sequence of operations: a branch may depend on the base value, but not on anything that
 ///   changes from call to call, such as a counter or a random number. For example,
 ///   `if speed.value() > 5.0 { … } else { … }` is allowed if both branches compute the same
 ///   function up to rounding, for example if one of them avoids an overflow. If two different

@@ -21,8 +21,7 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// q and v are the displacements and velocities of the coordinates, b is the direction of the
 /// contact, and w is the velocity of the surface. μ is the friction coefficient, N0 the part of the
 /// load that depends on time, and n_j the load gradient, a force per displacement. μ and b are
-/// dimensionless. If b is multiplied by a factor, r is multiplied by this factor, and so is the
-/// force that a given λ exerts on the coordinates.
+/// dimensionless. If b is multiplied by a factor, so are b·v and the force −b λ, but not w and N.
 ///
 /// In the table e_i is the i-th unit vector:
 ///
@@ -32,11 +31,11 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// | [`Contact::between(i, j, ..)`](Self::between) | e_i − e_j | v_i − v_j − w: a clutch, a damper between blades, a pad on a disc |
 /// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | Σ b_i v_i − w: a lever, a gear, a point of a reduced model by its mode shapes |
 ///
-/// If the load depends on time alone, it may fall to 0 and rise again: between these times the
-/// contact is open and transmits no friction. A load gradient describes a normal spring that is
-/// part of the stiffness matrix. That spring would pull for N < 0, so the motion ends with
-/// [`Error::Separation`] when N falls to 0. To let such a contact open and close, use
-/// [`with_normal_spring`](Self::with_normal_spring) instead.
+/// A contact is open, and transmits no friction, while N is negative or stays 0. If the load
+/// depends on time alone, the contact may open and close again. A load gradient describes a normal
+/// spring that is part of the stiffness matrix. That spring would pull for N < 0, so the motion
+/// ends with [`Error::Separation`] when the contact would open. To let such a contact open and
+/// close, use [`with_normal_spring`](Self::with_normal_spring) instead.
 ///
 /// A contact is either rigid or [elastic](Self::with_tangential_stiffness). An elastic contact is a
 /// spring in series with a friction slider.
@@ -45,9 +44,8 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// its limit does not end stick. To touch means to reach the value and to return to the same side
 /// of it. A local extremum of the load counts as a touch if its distance from 0 is at most 8ε times
 /// the sum of the absolute values of the terms of the load (ε = 2.2e-16). A local extremum of the
-/// stick force counts as a touch if it exceeds the limit by at most 8ε times the limit. A load also
-/// touches 0 if one piece of a [`Drive`] ends at 0 and the next piece has the same sign as the
-/// piece before.
+/// stick force counts as a touch if it exceeds the limit by at most 8ε times the limit. A
+/// [profile](Drive::profile) through the values 1, 0 and 1 touches 0 at its second point.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts
 /// with different laws.
@@ -238,8 +236,8 @@ impl Contact {
     /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN if a
     /// displacement is missing. The last term is the force of a [normal
     /// spring](Self::with_normal_spring) of stiffness k_n and direction d. The result may be
-    /// negative; a contact with N < 0 is open, and its force is 0. With a load gradient and without
-    /// a normal spring, a motion ends with [`Error::Separation`] before N becomes negative.
+    /// negative: the contact is then open, and its forces are 0. With a load gradient and without a
+    /// normal spring, a motion ends with [`Error::Separation`] before N becomes negative.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
         let terms = self
             .whole_gradient()

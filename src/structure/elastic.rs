@@ -12,18 +12,18 @@ impl Contact {
     /// ```text
     /// stick:  T' = k_t r         while |T| ≤ μ N
     /// slip:   T = σ μ N          z' = r − σ μ N'/k_t,  σ z' ≥ 0,  σ = ±1
-    /// open:   T = 0              N ≤ 0
+    /// open:   T = 0              N < 0, or N stays 0
     /// ```
     ///
-    /// z' is the velocity of the slider, and σ is its direction. The force T takes the place of λ:
-    /// the force on the structure is −b T. T is a memory variable of the contact:
+    /// T is the force of the spring, r the relative velocity, μ the coefficient, N the normal load,
+    /// z' the velocity of the slider, and σ the direction of z'. T takes the place of λ: the force
+    /// on the structure is −b T. T is a memory variable of the contact:
     /// [`State::memory`](crate::structure::State::memory) contains T after the memory variables of
     /// the contacts with lower numbers. Events refer to the slider: it stops at an
-    /// [`EventKind::Stick`](crate::EventKind::Stick), and starts at an
-    /// [`EventKind::Release`](crate::EventKind::Release), which has the direction of z'. In
-    /// [`Mode::Stick`](crate::Mode::Stick) the slider sticks, and r may have any value. k_t is a
-    /// force per displacement b·q, and μ is dimensionless. The velocity of the contact's surface
-    /// may jump.
+    /// [`EventKind::Stick`](crate::EventKind::Stick), and starts in the direction σ at an
+    /// [`EventKind::Release`](crate::EventKind::Release). In [`Mode::Stick`](crate::Mode::Stick)
+    /// the slider sticks, and r may have any value. k_t is a force per displacement b·q, and μ is
+    /// dimensionless. The velocity of the contact's surface may jump.
     ///
     /// The mode of an elastic contact does not depend on the modes of other contacts at the same
     /// instant, so elastic contacts may have linearly dependent directions. For k_t → ∞ the motion
@@ -91,10 +91,15 @@ impl Contact {
     ///
     /// d is the direction of the spring; its entries d_j are dimensionless. k_n > 0 is the
     /// stiffness, a force per displacement, and N0(t) the load that was given to the contact. The
-    /// force of the spring on the structure is −d N. The contact opens when N falls to 0 and closes
-    /// when N rises above 0 again; both are events. N is a continuous function of q, so the contact
-    /// closes without an impact. A load gradient n adds n·q inside the maximum. The contact may be
-    /// rigid or elastic.
+    /// force of the spring on the structure is −d N. The contact opens when N0 + k_n d·q falls
+    /// below 0, and closes when it rises above 0 again; both are events. N is a continuous function
+    /// of q, so the contact closes without an impact. A load gradient n adds n·q inside the
+    /// maximum. The contact may be rigid or elastic.
+    ///
+    /// A constant N0 must be positive. A contact with a gap g has N = max(0, k_n (d·x − g)) for the
+    /// coordinates x. To describe it, choose a position x_0 with d·x_0 > g, and use the coordinates
+    /// q = x − x_0: then N0 = k_n (d·x_0 − g). Also add the constant force −K x_0 (K: stiffness
+    /// matrix), and n·x_0 to the load of every other contact with a load gradient n.
     ///
     /// # Errors
     ///
@@ -147,9 +152,9 @@ impl Contact {
         Some((direction, *stiffness))
     }
 
-    /// Returns elastic contacts in parallel that replace this contact. Each element is a pair: its
-    /// stiffness k_t, and its share of the load, of the load gradient and of the stiffness of the
-    /// normal spring.
+    /// Returns elastic contacts in parallel that replace this contact. Each of the `elements` is a
+    /// pair: the stiffness k_t, and the share of the load, of the load gradient and of the
+    /// stiffness of the normal spring.
     ///
     /// Shares are positive and dimensionless; their sum need not be 1. A load that varies is shared
     /// in the same ratio at all times. The elements of an [`Iwan4`](crate::Iwan4) model are pairs

@@ -76,9 +76,11 @@ pub struct EnergyBudget {
 }
 
 impl EnergyBudget {
-    /// Residual of the energy balance: `stored` minus all work, plus all losses. With the default
-    /// tolerance of the integrator the residual consists of rounding errors. With a larger
-    /// tolerance it estimates the error of the motion.
+    /// Residual of the energy balance: `stored` − (Σ `force_work` + Σ `drive_work` + Σ
+    /// `normal_work` + `circulation`) + `damper_loss` + Σ `friction_loss`. `belt_work` is no term
+    /// of its own, because `drive_work` contains it. With the default tolerance of the integrator
+    /// the residual consists of rounding errors. With a larger tolerance it estimates the error of
+    /// the motion.
     pub fn defect(&self) -> f64 {
         let work = [&self.force_work, &self.drive_work, &self.normal_work];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
@@ -103,7 +105,8 @@ impl Structure {
     }
 
     /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) of a state at a time: the energy of the
-    /// stiffness matrix, of elastic contacts, and of normal springs that are closed at that time.
+    /// stiffness matrix K, of elastic contacts with force T and stiffness k_t, and of normal
+    /// springs with load N and stiffness k_n that are closed at that time.
     ///
     /// # Errors
     ///

@@ -57,8 +57,9 @@
 //!
 //! Coordinates may be measured in a frame that rotates (or travels) with the velocity Ω(t), for
 //! example in the frame of the rotary table of a drill string. Displacements then stay small. Let
-//! e_i be 1 for each coordinate that is measured in the frame and 0 for the others, and b the
-//! direction of a contact. The equations of motion keep their form, with these additions:
+//! e_i be 1 for each coordinate that is measured in the frame and 0 for the others, M the mass
+//! matrix, and b the direction of a contact. The equations of motion keep their form, with these
+//! additions:
 //!
 //! | in the frame | add |
 //! |---|---|

@@ -21,10 +21,11 @@ use crate::state::Direction;
 ///
 /// The symbols are those of [`Structure`]. μ̂_c(s) is the kinetic coefficient at the sliding speed
 /// s = |w_c|, n_c the load gradient, and δq a perturbation of q. With a [normal
-/// spring](crate::Contact::with_normal_spring), n_c includes k_n d, and the force −d N_c and its
-/// perturbation are added on the right sides. The memory variables z of a contact, such as the
-/// deflection of bristles, have the values at which z' = 0. Their perturbations δz add −b_c N_c Σ_j
-/// ∂μ_c/∂z_j δz_j to the right side of the second equation, and δz' is linear in δz and b_c·δq'.
+/// spring](crate::Contact::with_normal_spring) of stiffness k_n and direction d, n_c includes
+/// k_n·d, and the force −d N_c and its perturbation are added on the right sides. The memory
+/// variables z of a contact, such as the deflection of bristles, have the values at which z' = 0.
+/// Their perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second equation,
+/// and δz' is linear in δz and b_c·δq'.
 ///
 /// If a load depends on displacements, friction makes the stiffness matrix unsymmetric. Two modes
 /// can then merge, and one of them can grow (flutter by mode coupling). This can happen even if
@@ -80,19 +81,19 @@ impl Structure {
     /// constant.
     ///
     /// The force of each elastic contact is its limit force. An elastic contact whose surface does
-    /// not move can be in equilibrium with any force up to its limit force. The function then
-    /// returns the reason [`NotSliding::Continuum`].
+    /// not move can be in equilibrium with any force up to its limit force. This is an error with
+    /// the reason [`NotSliding::Continuum`].
     ///
     /// See [`SteadySliding`] for formulas and an example.
     ///
     /// # Errors
     ///
     /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies in time, if
-    /// a contact has the sliding velocity w = 0, or if a load is not positive in the equilibrium.
-    /// The same error is returned if memory variables have no constant values, or if K with the
-    /// terms of friction is singular. To make K non-singular, restrain the rigid-body modes. For a
-    /// drill string that is driven at a given speed, use the frame that rotates at this speed: in
-    /// this frame the driven end is fixed to the ground.
+    /// the surface of a contact does not move (w = 0), or if a load is not positive in the
+    /// equilibrium. The same error is returned if memory variables have no constant values, or if
+    /// the stiffness matrix with the terms of friction is singular. To make it non-singular,
+    /// restrain the rigid-body modes. For a drill string that is driven at a given speed, use the
+    /// frame that rotates at this speed: in this frame the driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

@@ -30,7 +30,10 @@ use crate::friction::memory::ContactLaw;
 /// gradient n_c, the relative velocity r_c, and a surface of velocity w_c (0 unless set). μ_c is
 /// the friction coefficient in slip, and μ_s,c the static coefficient. The direction may be any
 /// vector, a coordinate may have any number of contacts, and each contact may have its own law.
-/// Contacts are numbered from 0 in the order in which they are added.
+/// Contacts are numbered from 0 in the order in which they are added. A contact with a [normal
+/// spring](Contact::with_normal_spring) of direction d_c also exerts the force −d_c N_c. In an
+/// [elastic contact](Contact::with_tangential_stiffness) the force of its spring takes the place of
+/// λ_c.
 ///
 /// # Contacts that share masses
 ///
@@ -39,12 +42,13 @@ use crate::friction::memory::ContactLaw;
 ///
 /// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
 ///   satisfies the equations, and the contacts follow it;
-/// * otherwise the *fastest yields first*. Let r' be the relative acceleration of a contact and
-///   G_cc = b_cᵀM⁻¹b_c. Each contact starts with its static limit N μ_s. Among the contacts that
-///   cannot stick, the contact with the largest |r'|/(G_cc N μ_s) drops to its kinetic friction.
-///   Then the decision is repeated for the other contacts. Friction that falls from its static to
-///   its kinetic value over a small range of sliding speeds leads to this rule as the range shrinks
-///   to 0.
+/// * otherwise the *fastest yields first*. Let G_cc = b_cᵀM⁻¹b_c. In the first decision each
+///   contact has its static limit N μ_s as the largest force in stick and as the force in slip. Let
+///   r' be the relative accelerations that follow. Of the contacts that slip, the contact with the
+///   largest |r'|/(G_cc N μ_s) gets its kinetic friction instead of N μ_s. The decision is repeated
+///   until every contact that slips has its kinetic friction. Friction that falls from its static
+///   to its kinetic value over a small range of sliding speeds leads to this rule as the range
+///   shrinks to 0.
 ///
 /// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
 /// dependent (parallel clutches) may slide. If all of them would stick at the same time, the motion
@@ -154,7 +158,7 @@ impl Structure {
     /// model. A diagonal matrix gives the same structure as [`new`](Self::new).
     ///
     /// Entries (i, j) and (j, i) may differ by up to 4ε√(m_ii m_jj) with ε = 2.2e-16; their mean is
-    /// used. Such a difference is the rounding error of a modal product ΦᵀMΦ.
+    /// used. Such a difference is the rounding error of a product ΦᵀMΦ with mode shapes Φ.
     ///
     /// # Errors
     ///

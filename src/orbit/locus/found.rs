@@ -238,13 +238,13 @@ pub enum LocusEnd {
     /// A limit of work was reached: 2048 points, 2·10⁷ integration steps or 2·10⁵ motions tried, in
     /// one direction. [`Search`](crate::orbit::Search) sets other limits of points and steps.
     Work,
-    /// The watcher stopped the search.
+    /// The watcher of the [`Search`](crate::orbit::Search) stopped the search.
     Stopped {
         /// The parameters of the last point.
         parameters: [f64; 2],
     },
-    /// The curve was lost: the family returns an error beyond the last point, or Newton's method
-    /// does not converge even with the shortest step.
+    /// The curve was lost: the function `family` returns an error beyond the last point, or
+    /// Newton's method does not converge even with the shortest step.
     Lost {
         /// The parameters of the last point.
         parameters: [f64; 2],

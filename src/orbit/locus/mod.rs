@@ -55,10 +55,10 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// | [`BifurcationKind`] | [`LocusKind`] | g |
 /// |---|---|---|
 /// | fold, flip, Neimark-Sacker | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier is 1 (fold) or −1 (flip), or if a pair of multipliers is exp(±iθ) |
-/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
+/// | grazing, within a branch or [at its end](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
 /// | pitchfork | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier of the half-period map G is −1 (see [`BifurcationKind::Pitchfork`]). The first equation is G(x) = x instead of P(x) = x |
-/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
-/// | change of events | [`Order`](LocusKind::Order) | the time between two events of two contacts |
+/// | change of events: a contact begins to stick where it slipped through relative velocity 0 (a stop) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
+/// | change of events: two contacts have events at the same time | [`Order`](LocusKind::Order) | the time between two events of two contacts |
 ///
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
 /// is exact. The derivatives of g, and the derivatives with respect to parameters, are differences
@@ -97,14 +97,15 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// * a sticking contact reaches its limit tangentially;
 /// * a load falls to 0 and opens a contact;
 /// * a drive jumps;
-/// * a stop begins at a contact that shares coordinates with another contact.
+/// * a stop begins at a contact that is elastic, whose direction is not a unit vector, or whose
+///   coordinate has another rigid contact or is coupled to others by the mass matrix.
 ///
-/// On a curve of [grazing ends](super::BranchEnd::Grazing) of branches, the derivative of the
-/// period map is unbounded: the first multiplier is infinite, and the others are NaN.
+/// If the motions at a grazing are [ends of branches](super::BranchEnd::Grazing), the derivative of
+/// the period map is unbounded there: the first multiplier is infinite, and the others are NaN.
 ///
 /// Each step of Newton's method takes about ten motions. The limits in each direction are 2048
 /// points, 2·10⁵ motions tried and 2·10⁷ integration steps. [`Search`] sets other limits of points
-/// and steps and accepts a watcher.
+/// and steps, and accepts a watcher, a function that can stop the search.
 ///
 /// Sources: Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and
 /// 4 (bordered matrices); Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10;

@@ -29,8 +29,9 @@ pub struct VibrationRanges<S: System> {
 /// [`VibrationRanges`].
 ///
 /// For a mass on a belt, [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a
-/// similar type without the kinds of the borders. The search that returns it misses no attractor at
-/// the velocities that it tries.
+/// similar type without the kinds of the borders. At the velocities that it tries, the search that
+/// returns it finds every attractor, within the [limits](crate::limit_cycle#what-is-guaranteed) of
+/// `limit_cycle::find`.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -49,11 +50,13 @@ pub struct VibrationRange {
     /// simulate one of them for longer and [`classify`](crate::orbit::classify()) its end, or
     /// compute its exponent by [`lyapunov`](crate::orbit::lyapunov()).
     pub attractors: Vec<AttractorKind>,
-    /// The reasons why the attractors change at the two ends of the range.
+    /// What lies at the two ends of the range: the reasons why the attractors change there, or the
+    /// ends of the range that was searched.
     pub borders: [Border; 2],
 }
 
-/// The reason why the attractors change at an end of a [`VibrationRange`].
+/// What lies at an end of a [`VibrationRange`]: the reason why the attractors change there, or the
+/// end of the range that was searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -62,7 +65,7 @@ pub struct VibrationRange {
 )]
 #[non_exhaustive]
 pub enum Border {
-    /// The end of the range that was searched.
+    /// The end of the range that was searched. The attractors need not change there.
     Range,
     /// Steady sliding changes its stability, and a periodic motion is born.
     Hopf,
@@ -71,7 +74,7 @@ pub enum Border {
     Divergence,
     /// Steady sliding begins to exist or ceases to exist.
     NoSteadySliding,
-    /// The family returns an error on the other side.
+    /// The function `family` returns an error on the other side of this end.
     NoSystem,
     /// A periodic motion reaches a fold: it meets an unstable motion, and both vanish.
     Fold,

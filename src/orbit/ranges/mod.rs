@@ -59,8 +59,8 @@ const SMALL: f64 = 1e-3;
 ///
 /// The work is a sweep over 17 values, upward and downward, and one [`follow`](super::follow()) for
 /// each branch: seconds for a few masses, tens of seconds for a dozen masses.
-/// [`Search::vibration_ranges`] sets a bound of the work and accepts a watcher. For a mass on a
-/// belt of constant velocity,
+/// [`Search::vibration_ranges`] sets a bound of the work, and accepts a watcher, a function that
+/// can stop the search. For a mass on a belt of constant velocity,
 /// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and calls
 /// [`limit_cycle::find`](crate::limit_cycle::find()) at each velocity that it tries.
 ///
