@@ -46,7 +46,7 @@ impl<S: Oscillator> Bifurcation<S> {
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
     /// ```
     ///
-    /// The distances |ε| = 10⁻², 3·10⁻³ and 3·10⁻², relative to the size of the motion, are tried
+    /// The amplitudes |ε| = 10⁻², 3·10⁻³ and 3·10⁻², relative to the size of the motion, are tried
     /// one after the other. The parameter differs from that of the bifurcation by an amount of
     /// order ε². [`criticality`](Self::criticality) returns the side on which the new motions
     /// exist.

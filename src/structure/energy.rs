@@ -63,7 +63,8 @@ pub struct EnergyBudget {
     /// friction drives the masses.
     pub belt_work: Vec<f64>,
     /// Heat in each contact, ∫ λ r dt; in an elastic contact ∫ μN|z'| dt, with the velocity z' of
-    /// its slider. In a contact with bristles the heat includes the energy stored in the bristles.
+    /// its slider. In a contact with bristles the integral also contains the change of the energy
+    /// stored in the bristles.
     pub friction_loss: Vec<f64>,
     /// Work that the load N0(t) + n·q does on each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 for a
     /// contact without a normal spring.

@@ -144,7 +144,8 @@ impl<S: System> fmt::Debug for SpecialPoint<S> {
 }
 
 /// The kind of a special point of a curve in two parameters. At a special point a second condition
-/// holds (codimension two).
+/// holds (codimension two). Curves of Hopf points are computed by
+/// [`hopf_locus`](crate::bifurcation::hopf_locus).
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 8 (equilibria) and 9
 /// (fixed points of maps).
