@@ -4,8 +4,8 @@
 use super::branch::BranchEnd;
 use super::changes::{JUMP, LocalCurve};
 use super::map::PeriodMap;
-use crate::motion::{EventKind, Mode, Segment};
-use crate::state::Direction;
+use super::unslipped::slips_one_way;
+use crate::motion::{EventKind, Segment};
 
 /// Distances beyond the last motion at which the border is searched, in units of the shortest step.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
@@ -73,7 +73,7 @@ impl LocalCurve<'_, '_> {
     /// counts as rounding.
     fn already_slips(&self) -> Option<Discontinuity> {
         let map = &self.base.trial.map;
-        let (contact, direction) = slips_one_way(map, |c| map.slips_by_rounding(c))?;
+        let (contact, direction) = slips_one_way(&map.steps, |c| map.slips_by_rounding(c))?;
         let parameter = self.curve.parameter(&self.base.y);
         Some(Discontinuity {
             distance: 0.0,
@@ -188,7 +188,7 @@ impl Side {
     /// Its size counts as infinite, unless the slip may be a translation that nothing depends on:
     /// then the branch may continue.
     fn one_way_slip(&self, beyond: &Self, unslipped: &[usize]) -> Option<(f64, BranchEnd)> {
-        let (contact, direction) = slips_one_way(&beyond.map, |c| unslipped.contains(&c))?;
+        let (contact, direction) = slips_one_way(&beyond.map.steps, |c| unslipped.contains(&c))?;
         let size = if beyond.map.has_translations() {
             0.0
         } else {
@@ -201,20 +201,4 @@ impl Side {
         };
         Some((size, end))
     }
-}
-
-/// The first contact of some that slips in a motion, and the direction, if it slips in this
-/// direction only.
-fn slips_one_way(map: &PeriodMap, of: impl Fn(usize) -> bool) -> Option<(usize, Direction)> {
-    let lasting = map.steps.iter().filter(|step| step.duration() > 0.0);
-    let mut slips = lasting.flat_map(|step| {
-        let modes = step.modes().iter().enumerate();
-        modes.filter_map(|(c, mode)| match mode {
-            Mode::Slip(direction) if of(c) => Some((c, *direction)),
-            _ => None,
-        })
-    });
-    let (contact, direction) = slips.next()?;
-    let turns_back = slips.any(|(c, to)| c == contact && to != direction);
-    (!turns_back).then_some((contact, direction))
 }

@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::form::GeneralForm;
 use crate::motion::{Mode, Segment};
+use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::Step;
 
@@ -19,10 +20,32 @@ pub(super) struct Unslipped {
     pub(super) slopes: Vec<(usize, f64)>,
 }
 
+/// The steps that last.
+fn lasting(steps: &[Step]) -> impl Iterator<Item = &Step> {
+    steps.iter().filter(|step| step.duration() > 0.0)
+}
+
 /// Returns true for a contact that sticks in all of these steps.
 pub(super) fn never_slips(steps: &[Step]) -> impl Fn(usize) -> bool {
-    let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
-    move |c| lasting().all(|step| step.modes()[c] == Mode::Stick)
+    move |c| lasting(steps).all(|step| step.modes()[c] == Mode::Stick)
+}
+
+/// The first contact of some that slips in these steps, and the direction, if it slips in this
+/// direction only.
+pub(super) fn slips_one_way(
+    steps: &[Step],
+    of: impl Fn(usize) -> bool,
+) -> Option<(usize, Direction)> {
+    let mut slips = lasting(steps).flat_map(|step| {
+        let modes = step.modes().iter().enumerate();
+        modes.filter_map(|(c, mode)| match mode {
+            Mode::Slip(direction) if of(c) => Some((c, *direction)),
+            _ => None,
+        })
+    });
+    let (contact, direction) = slips.next()?;
+    let turns_back = slips.any(|(c, to)| c == contact && to != direction);
+    (!turns_back).then_some((contact, direction))
 }
 
 /// Contacts that stick in all of these steps to surfaces that return to their positions. Each rigid
@@ -108,25 +131,23 @@ pub(super) fn slip_by_rounding(
     /// The largest apparent way of a contact that returns, in parts of the way of its surface and
     /// of the displacements.
     const ROUNDING: f64 = 1e-9;
-    let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
-    let slips_one_way = |c: &usize| {
-        let mut slips = lasting()
-            .map(|step| step.modes()[*c])
-            .filter(|mode| *mode != Mode::Stick);
-        let first = slips.next();
-        let sticks = lasting().any(|step| step.modes()[*c] == Mode::Stick);
-        sticks && matches!(first, Some(Mode::Slip(_))) && slips.all(|mode| Some(mode) == first)
+    let is_ever = |c: usize, mode: Mode| lasting(steps).any(|step| step.modes()[c] == mode);
+    let may_only_touch = |&c: &usize| {
+        is_ever(c, Mode::Stick)
+            && !is_ever(c, Mode::Open)
+            && slips_one_way(steps, |of| of == c).is_some()
     };
     let comes_back = |c: &usize| {
         let contact = &form.model.contacts[*c];
         let surface = &contact.belt_velocity;
-        let moved = lasting()
+        let moved = lasting(steps)
             .map(|step| surface.integral(step.clock(), step.clock().after(step.duration())));
         let [moved, way] = moved.fold([0.0, 0.0], |[sum, way], x| [sum + x, way + f64::abs(x)]);
-        let states = lasting().map(|step| contact.size_along(|j| step.state().displacements[j]));
+        let states =
+            lasting(steps).map(|step| contact.size_along(|j| step.state().displacements[j]));
         let size = states.fold(way, f64::max);
         (contact.along(|j| translation[j]) - moved).abs() <= ROUNDING * size
     };
-    let contacts = (0..form.contacts()).filter(slips_one_way);
+    let contacts = (0..form.contacts()).filter(may_only_touch);
     contacts.filter(comes_back).collect()
 }
