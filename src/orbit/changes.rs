@@ -131,7 +131,7 @@ impl LocalCurve<'_, '_> {
     }
 
     pub(super) fn scaled(&self, solved: &Solved) -> DVector<f64> {
-        self.curve.scaled(solved, self.scale)
+        self.curve.scaled(&solved.y, self.scale)
     }
 
     /// The distance between two points, in units of the scales.

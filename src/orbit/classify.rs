@@ -33,9 +33,9 @@ pub enum Attractor<S: System> {
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// In 1.3·10⁵ steps no periodic motion was found that closes after at most 16 periods of the
-    /// drives or, without drives, 16 returns to the section of [`classify`]. The motion is chaotic
-    /// or quasi-periodic, or a transient decays very slowly.
+    /// In 1.3·10⁵ steps, or in more if a [`Search`] allows more, no periodic motion was found that
+    /// closes after at most 16 periods of the drives or, without drives, 16 returns to the section
+    /// of [`classify`]. The motion is chaotic or quasi-periodic, or a transient decays very slowly.
     /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }
@@ -134,19 +134,18 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// none may vary by more than 10⁻⁶ of the largest. A start exactly on an unstable equilibrium, or
 /// on an unstable periodic motion, stays there: perturb the start.
 ///
-/// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
-/// [`shoot`]; a motion that needs more counts as irregular. If its transient is longer, as with
-/// little damping and very different frequencies, simulate the transient first, and classify from
-/// its end. [`Search::classify`] sets a lower bound and takes a watcher; the page of [`Search`]
-/// states the cost. For one mass on a belt,
+/// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and nine searches by
+/// [`shoot`] with at most 9·10⁴ steps each; a motion that needs more counts as irregular. If its
+/// transient is longer, as with little damping and very different frequencies, a [`Search`] with a
+/// larger bound simulates a longer motion. It also takes a watcher; its page states the cost. For
+/// one mass on a belt,
 /// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
 /// simulation.
 ///
 /// # Errors
 ///
-/// [`Error::NoCommonPeriod`] if the drives vary without a common period; [`Error::TooManySteps`] if
-/// the motion and the searches together take 10⁶ steps, as irregular motions of several masses can;
-/// the errors of [`Integrator::simulate`].
+/// [`Error::NoCommonPeriod`] if the drives vary without a common period; the errors of
+/// [`Integrator::simulate`].
 ///
 /// ```
 /// use stick_slip::orbit::{AttractorKind, classify};
@@ -176,13 +175,14 @@ pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor
 }
 
 impl Search<'_> {
-    /// Calls the function [`classify`] with the bound and the watcher of this search.
+    /// Calls the function [`classify`] with the bound and the watcher of this search. If the bound
+    /// is 2ᵏ times the default, 10⁶ steps, the motion is simulated over 2ᵏ·1.3·10⁵ steps before it
+    /// counts as irregular.
     ///
     /// # Errors
     ///
-    /// The errors of [`classify`]; [`Error::TooManySteps`] if the bound is reached, so that with a
-    /// bound below 1.3·10⁵ no motion counts as irregular; [`Error::Stopped`] if the watcher stops
-    /// the search.
+    /// The errors of [`classify`]; [`Error::TooManySteps`] if a bound below the default is reached;
+    /// [`Error::Stopped`] if the watcher stops the search.
     pub fn classify<S: Oscillator>(
         &self,
         system: &S,
@@ -199,8 +199,19 @@ impl Search<'_> {
 /// Steps after which a motion is first tested; each time twice as many as before.
 const FIRST_STEPS: usize = 256;
 
-/// Number of tests.
-const LOOKS: usize = 9;
+/// Number of tests within the default bound, and within a given one: each test more takes as many
+/// steps of the motion as all before.
+const LOOKS: u32 = 9;
+
+fn looks(most: usize) -> u32 {
+    LOOKS
+        + (most / Search::DEFAULT_MAX_STEPS)
+            .checked_ilog2()
+            .unwrap_or(0)
+}
+
+/// The part of the bound that the searches of all tests may take; the motion itself takes 0.13.
+const OF_SEARCHES: f64 = 0.8;
 
 /// Largest number of returns after which a motion may repeat itself, and the least number of
 /// returns needed to judge that.
@@ -236,7 +247,8 @@ pub(super) fn settled<S: Oscillator>(
     let mut fastest = fastest_surface(form);
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
-    for look in 0..LOOKS {
+    let looks = looks(form.most());
+    for look in 0..looks {
         let mut seen = Recurrence::new(form, turning);
         for _ in 0..FIRST_STEPS << look {
             let Some(step) = flow.next().transpose()? else {
@@ -270,7 +282,10 @@ pub(super) fn settled<S: Oscillator>(
             let (time, guess) = &returns[returns.len() - 1 - count];
             let estimate = returns[returns.len() - 1].0 - time;
             let period = kind.map_or(Period::Driven(count), |()| Period::Free(estimate));
-            if let Ok(found) = shoot::search(form, guess, period)
+            let found = form.within_part(OF_SEARCHES / f64::from(looks), || {
+                shoot::search(form, guess, period)
+            });
+            if let Ok(found) = found
                 && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
             {
                 let state = S::general(&orbit.state());

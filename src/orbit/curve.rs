@@ -152,9 +152,26 @@ impl Curve<'_> {
         tangent / self.measured(tangent).norm()
     }
 
-    /// The point of the curve of a motion in units of scales, as far as it counts.
-    pub(super) fn scaled(&self, solved: &Solved, scale: &DVector<f64>) -> DVector<f64> {
-        self.measured(&solved.y.component_div(scale))
+    /// A point of the curve in units of scales, as far as it counts.
+    pub(super) fn scaled(&self, y: &DVector<f64>, scale: &DVector<f64>) -> DVector<f64> {
+        self.measured(&y.component_div(scale))
+    }
+
+    /// Number of periods of the drives in one of the motion.
+    pub(super) fn periods(&self) -> usize {
+        match self.kind {
+            Period::Driven(periods) => periods,
+            Period::Free(_) => 1,
+        }
+    }
+
+    /// The point of the same motion if it begins some periods of the drives later.
+    pub(super) fn begun_later(&self, solved: &Solved, periods: usize) -> Option<DVector<f64>> {
+        let part = periods as f64 / self.periods() as f64;
+        let state = solved.trial.map.vector_at(part * solved.trial.period)?;
+        let mut y = solved.y.clone();
+        y.rows_mut(0, self.order).copy_from(&state);
+        Some(y)
     }
 
     pub(super) fn width(&self) -> f64 {

@@ -17,7 +17,7 @@ pub struct GeneralForm<'s> {
     pub(super) model: Model<'s>,
     /// Steps taken so far, and their limit.
     taken: Cell<usize>,
-    most: usize,
+    most: Cell<usize>,
     watched: Option<&'s Watched<'s>>,
     freedom: OnceCell<Freedom>,
 }
@@ -38,7 +38,7 @@ impl<'s> GeneralForm<'s> {
         Self {
             model,
             taken: Cell::new(0),
-            most: MOST_STEPS_OF_A_SEARCH,
+            most: Cell::new(MOST_STEPS_OF_A_SEARCH),
             watched: None,
             freedom: OnceCell::new(),
         }
@@ -47,10 +47,25 @@ impl<'s> GeneralForm<'s> {
     /// The same with another limit of steps, and watched.
     pub(super) fn within(self, most: usize, watched: &'s Watched<'s>) -> Self {
         Self {
-            most,
+            most: Cell::new(most),
             watched: Some(watched),
             ..self
         }
+    }
+
+    /// The limit of steps.
+    pub(super) fn most(&self) -> usize {
+        self.most.get()
+    }
+
+    /// Part of a search, in which the steps that follow may take this part of the limit.
+    pub(super) fn within_part<T>(&self, part: f64, search: impl FnOnce() -> T) -> T {
+        let most = self.most();
+        let next = self.taken() + (part * most as f64) as usize;
+        self.most.set(next.min(most));
+        let found = search();
+        self.most.set(most);
+        found
     }
 
     /// The model of the engine.
@@ -61,7 +76,7 @@ impl<'s> GeneralForm<'s> {
     /// Counts a step, or a part of one, before it is taken from a state.
     pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
         let taken = self.taken.get();
-        if taken >= self.most {
+        if taken >= self.most() {
             return Err(self.too_many(reached()));
         }
         if let Some(watched) = self.watched {
@@ -76,13 +91,13 @@ impl<'s> GeneralForm<'s> {
 
     /// The error of a search that exceeds its limit of steps.
     pub(super) fn too_many(&self, reached: Reached) -> Error {
-        let limit = self.most;
+        let limit = self.most();
         Error::TooManySteps { limit, reached }
     }
 
     /// Limit of the steps of one motion over a period.
     pub(super) fn most_of_a_period(&self) -> usize {
-        (self.most / 10).max(Integrator::DEFAULT_MAX_STEPS)
+        (self.most() / 10).max(Integrator::DEFAULT_MAX_STEPS)
     }
 
     /// The directions in which the system can be moved without any change of a force.

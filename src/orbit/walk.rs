@@ -396,23 +396,30 @@ impl Walk<'_, '_> {
         Some(Outcome::Grazing(parameter, Box::new(found)))
     }
 
-    /// Returns true if the curve has returned to its first point, in the direction in which it
-    /// left.
+    /// Returns true if the curve has returned to its first motion, in the direction in which it
+    /// left. A motion over several periods of the drives may return with another of them first.
     fn came_back(&self, first: &Solved, base: &Solved, next: &Solved) -> bool {
         if self.points.len() < 3 {
             return false;
         }
-        let scaled = |solved: &Solved| self.curve.scaled(solved, &self.first_scale);
-        let left = self.curve.measured(&first.tangent);
-        let (first, base, next) = (scaled(first), scaled(base), scaled(next));
-        let step = &next - &base;
-        if step.dot(&left) <= 0.0 {
-            return false;
-        }
+        let scaled = |y: &DVector<f64>| self.curve.scaled(y, &self.first_scale);
+        let [from, to] = [&base.y, &next.y].map(scaled);
+        let step = to - &from;
         let along = step.norm_squared();
-        let part = step.dot(&(&first - &base)) / along;
-        let beside = &base + &step * part - &first;
-        (0.0..=1.0).contains(&part) && beside.norm_squared() <= 0.01 * along
+        let passes = |point: &DVector<f64>, left: &DVector<f64>| {
+            let part = step.dot(&(point - &from)) / along;
+            let beside = &from + &step * part - point;
+            step.dot(left) > 0.0
+                && (0.0..=1.0).contains(&part)
+                && beside.norm_squared() <= 0.01 * along
+        };
+        let begun_later = |periods: usize| {
+            let later = |solved| Some(scaled(&self.curve.begun_later(solved, periods)?));
+            let (point, second) = (later(first)?, later(&self.points[0])?);
+            Some(passes(&point, &(second - &point)))
+        };
+        passes(&scaled(&first.y), &self.curve.measured(&first.tangent))
+            || (1..self.curve.periods()).any(|periods| begun_later(periods) == Some(true))
     }
 
     /// Re-anchors the phase condition at a sharper turning point, with the scales there; `None` if

@@ -170,6 +170,32 @@ fn a_step_may_be_longer_than_any_number_of_periods() {
     assert!(*limit == 300 && reached.time > 1e10, "{found:?}");
 }
 
+/// Steady sliding that decays by 4e-5 over a radian takes longer than the default bound.
+#[test]
+fn a_larger_bound_simulates_a_longer_transient() {
+    let system = Structure::new(&[1.0])
+        .and_then(|system| {
+            system
+                .with_ground_spring(0, 1.0)?
+                .with_ground_damper(0, 4e-5)
+        })
+        .and_then(|system| {
+            let contact = Contact::new(0, Coulomb::new(0.4, 0.25)?, 1.0)?;
+            system.with_contact(contact.on_belt(2.0))
+        })
+        .unwrap();
+    let start = State::new(&[0.5], &[0.0]);
+    let within = |bound: usize| {
+        let search = Search::new().with_max_steps(bound).unwrap();
+        search.classify(&system, &start).unwrap().kind()
+    };
+    assert_eq!(within(Search::DEFAULT_MAX_STEPS), AttractorKind::Irregular);
+    assert_eq!(
+        within(8 * Search::DEFAULT_MAX_STEPS),
+        AttractorKind::SteadySliding
+    );
+}
+
 fn exponential(velocity: f64) -> Result<MassOnBelt<Exponential>, Error> {
     MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, velocity)?.with_damping(0.01)
 }

@@ -2,11 +2,13 @@
 
 use serde_json::Value;
 use stick_slip::orbit::{
-    Bifurcation, BifurcationKind, Branch, BranchEnd, Criticality, Orbit, Period, follow, settle,
-    shoot,
+    Bifurcation, BifurcationKind, Branch, BranchEnd, Criticality, Orbit, Period, classify, follow,
+    settle, shoot,
 };
 use stick_slip::structure::State;
-use stick_slip::{Contact, Drive, Error, EventKind, Exponential, MassOnBelt, Stribeck, Structure};
+use stick_slip::{
+    Contact, Drive, Error, EventKind, Exponential, MassOnBelt, Polynomial, Stribeck, Structure,
+};
 
 use crate::common::{list, number};
 use crate::loci::{curve, member};
@@ -255,4 +257,41 @@ fn other_kinds_are_refused() {
     let other = |_: f64| Ok(member(&case["system"], 0.9, 0.3));
     let error = flip.switch(other).unwrap_err();
     assert!(matches!(error, Error::At { .. }), "{error}");
+}
+
+/// A closed branch of motions over five periods of the force contains each motion once, although
+/// each appears with five starts.
+#[test]
+fn a_closed_branch_of_several_periods_is_followed_once_around() {
+    let family = |force: f64| -> Result<Structure, Error> {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.06)?
+            .with_force(0, Drive::harmonic(force, 1.15, 0.0)?)?
+            .with_contact(Contact::new(0, Polynomial::new(0.55, 0.3, 0.7)?, 0.9)?.on_belt(0.25))
+    };
+    let force = 0.079375;
+    let system = family(force).unwrap();
+    let first = classify(&system, &State::at_rest(1)).unwrap();
+    let first = first.orbit().unwrap();
+    assert_eq!(first.kind(), Period::Driven(5));
+    let ring = follow(family, force, first, 0.07..0.12).unwrap();
+    assert_eq!(ring.ends, [BranchEnd::Closed, BranchEnd::Closed]);
+    // At each force there are as many motions as the curve passes: two, folds apart.
+    let values: Vec<f64> = ring.points.iter().map(|point| point.parameter).collect();
+    let passes = values
+        .windows(2)
+        .filter(|pair| (pair[0] - force) * (pair[1] - force) < 0.0)
+        .count();
+    assert!(passes <= 2, "{passes}");
+    let mut folds: Vec<f64> = ring
+        .bifurcations
+        .iter()
+        .map(|found| found.parameter)
+        .collect();
+    folds.sort_by(f64::total_cmp);
+    assert!(
+        folds.windows(2).all(|pair| pair[1] - pair[0] > 1e-9),
+        "{folds:?}"
+    );
 }
