@@ -9,8 +9,10 @@
 //!
 //! # One mass on a belt
 //!
-//! The promises concern a [`MassOnBelt`](crate::MassOnBelt); the notation is that of the [crate
-//! page](crate#the-mass-on-its-belt); D = 2β + γ²·dμ̂/ds is the effective damping.
+//! The promises concern a [`MassOnBelt`](crate::MassOnBelt). v is the velocity of the mass, v_b
+//! that of the belt, v_r = v − v_b the relative velocity, u the displacement, β the damping ratio
+//! and γ² the friction load. The law has the static coefficient μ_s and, at the sliding speed s =
+//! |v_r|, the kinetic coefficient μ̂(s). D = 2β + γ²·dμ̂/ds is the effective damping.
 //!
 //! 1. **Steps.** Each step of a slip phase is a Taylor series of order 26. Its defect is the
 //!    residual that the series leaves in the equation of motion. A step is accepted if the defect
@@ -36,10 +38,10 @@
 //! 4. **Stick** is computed by closed formulas, and v equals v_b in every bit. Tests:
 //!    `belt::integrator::promise_4_stick_is_closed_form`,
 //!    `belt::hostile::it_sticks_in_the_band_and_slips_outside`.
-//! 5. **Order.** States are continuous (in stiff phases: up to 8 tolerances). Event times never
-//!    decrease; they increase strictly if the phase between two events is longer than an ulp of the
-//!    time (the distance between two neighbouring numbers of type `f64`). The same call gives the
-//!    same bits on the same kind of processor. Tests:
+//! 5. **Order.** States are continuous; in stiff phases (promise 9), up to 8 tolerances. Event
+//!    times never decrease; they increase strictly if the phase between two events is longer than
+//!    an ulp of the time (the distance between two neighbouring numbers of type `f64`). The same
+//!    call gives the same bits on the same kind of processor. Tests:
 //!    `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
 //!    `contract::api::the_same_bits_again_and_in_threads`.
 //! 6. **Large numbers.** The integrated variable is v_r, not v, so the zeros of v_r are exact for
@@ -166,9 +168,10 @@
 //! | [`limit_cycle::find`](crate::limit_cycle::find) | yes, except very small or very large cycles without stick, and pairs of cycles very close together; its page states the [limits](crate::limit_cycle#what-is-guaranteed); ranges that double precision cannot resolve are [reported](crate::CycleSet::unresolved) | `cycles::maps::no_cycle_is_lost_or_invented`, `cycles::cycles::every_number_of_the_reference`, `cycles::cases::canard_like_growth_is_resolved_or_told` |
 //! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | as complete as `find`, since they use its cycles | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
 //! | functions of [`bifurcation`](crate::bifurcation) | depends on the function: its page states how densely it searches | `cycles::bifurcations::every_number_of_the_reference`, `cycles::brute_force::contacts_change_where_brute_force_says` |
-//! | [`orbit::shoot`](crate::orbit::shoot), [`settle`](crate::orbit::settle) | no: one motion near the guess, exact to rounding, or a typed error | `orbit::references::orbits_have_the_reference_numbers`, `orbit::bad_input::what_is_not_found_says_how_far_it_is` |
+//! | [`orbit::shoot`](crate::orbit::shoot), [`settle`](crate::orbit::settle) | no: one motion, searched from a given start state, exact to rounding, or a typed error | `orbit::references::orbits_have_the_reference_numbers`, `orbit::bad_input::what_is_not_found_says_how_far_it_is` |
 //! | [`orbit::follow`](crate::orbit::follow) | no: only the branch connected with the start; two bifurcations of one kind within a step can be missed | `orbit::follow::bifurcations_of_forced_motions_are_those_of_the_reference`, `orbit::follow::both_directions_meet` |
 //!
 //! Motions of one mass on a belt of constant velocity lie in a plane and cannot cross each other,
 //! so a search for its limit cycles can be complete. With a force, a second mass or memory
-//! variables, motions can cross, and a search finds only a motion near its guess.
+//! variables, motions can cross, and a search finds only a motion near the guess from which it
+//! starts.

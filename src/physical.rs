@@ -22,12 +22,13 @@ use crate::structure::{Contact, Structure};
 /// M X'' + C X' + K X + N μ(X' − V) = 0
 /// ```
 ///
-/// X is the displacement; M, C, K, N and V are the parameters in [`Physical`]. This type contains
-/// the [dimensionless system](Self::dimensionless) and converts all numbers to and from
-/// dimensionless form. The motions and cycles that it returns have the same types as those of a
-/// [`MassOnBelt`], but all numbers are in SI units. Times are in s, displacements in m, velocities
-/// in m/s, angular frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit.
-/// Each conversion costs a few rounding errors.
+/// X is the displacement, and μ the friction coefficient at the relative velocity X' − V. The mass
+/// M, damping C, stiffness K, normal force N and belt velocity V are the parameters in
+/// [`Physical`]. This type contains the [dimensionless system](Self::dimensionless) and converts
+/// all numbers to and from dimensionless form. The motions and cycles that it returns have the same
+/// types as those of a [`MassOnBelt`], but their numbers are in SI units. Times are in s,
+/// displacements in m, velocities in m/s, angular frequencies and eigenvalues in rad/s, energies in
+/// J. Multipliers have no unit. Each conversion costs a few rounding errors.
 ///
 /// Numbers in errors are also in SI units; parameters have the names of the fields of [`Physical`].
 ///
@@ -142,8 +143,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         &self.system
     }
 
-    /// The displacements between which the mass can stick, ∓N μ_s/K − C V/K, in m:
-    /// [`MassOnBelt::stick_limits`].
+    /// The displacements between which the mass can stick, ∓N μ_s/K − C V/K, in m, with the static
+    /// coefficient μ_s: [`MassOnBelt::stick_limits`].
     pub fn stick_limits(&self) -> [f64; 2] {
         let limits = self.system.stick_limits();
         limits.map(|displacement| self.scaling.metres(displacement))
@@ -287,7 +288,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         }
     }
 
-    /// All periodic motions, stable and unstable: [`limit_cycle::find`].
+    /// The periodic motions, stable and unstable: [`limit_cycle::find`].
     ///
     /// # Errors
     ///

@@ -15,6 +15,8 @@ mod read;
 /// ```text
 /// M X'' + C X' + K X + N μ(X' − V) = 0
 /// ```
+///
+/// X is the displacement, and μ the friction coefficient at the relative velocity X' − V.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -42,8 +44,11 @@ pub struct Physical {
 /// β = C/(2√(K M)),   γ² = N/(K L),   v_b = V/(ω0 L)
 /// ```
 ///
-/// The length L can be chosen freely; physical results do not depend on it. The default, L = N/K,
-/// is the length by which the normal force would stretch the spring; then γ² = 1.
+/// M, C, K, N and V are the parameters in [`Physical`], X is the displacement and t the time. ω0 is
+/// the natural frequency, τ the dimensionless time, u the displacement, v the velocity, β the
+/// damping ratio, γ² the friction load and v_b the belt velocity. The unit of length L can be
+/// chosen freely; physical results do not depend on it. The default, L = N/K, is the length by
+/// which the normal force would stretch the spring; then γ² = 1.
 ///
 /// The name of a method says what it returns: [`seconds`](Self::seconds) takes a dimensionless
 /// time, and [`dimensionless_time`](Self::dimensionless_time) takes seconds.

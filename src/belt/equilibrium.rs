@@ -12,10 +12,12 @@ use crate::state::Units;
 /// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
 /// ```
 ///
-/// All quantities are dimensionless; symbols are those of the [crate
-/// page](crate#the-mass-on-its-belt). If |v_b| is a breakpoint of the law, slope and stability are
-/// those of the piece above |v_b|, and apply to motions with sliding speeds above |v_b|. The
-/// stability of motions that pass the breakpoint depends on both slopes.
+/// β is the damping ratio, γ² the friction load, v_b the belt velocity, and μ̂(s) the kinetic
+/// coefficient at the sliding speed s. J is the Jacobian of displacement and velocity, h1 the
+/// damping of small motions, and λ are the eigenvalues. All quantities are dimensionless. If |v_b|
+/// is a breakpoint of the law, slope and stability are those of the piece above |v_b|, and apply to
+/// motions with sliding speeds above |v_b|. The stability of motions that pass the breakpoint
+/// depends on both slopes.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*.
@@ -41,10 +43,10 @@ use crate::state::Units;
 pub struct Equilibrium {
     /// Displacement ū of the mass, dimensionless.
     pub displacement: f64,
-    /// Jacobian J of the map (u, v) ↦ (u', v'), dimensionless.
+    /// Jacobian J of the map (u, v) ↦ (u', v') of displacement u and velocity v, dimensionless.
     pub jacobian: Matrix2<f64>,
-    /// Eigenvalues λ of J, dimensionless (in units of ω0). The eigenvalue with the + sign in Eq. 14
-    /// is the first.
+    /// Eigenvalues λ of J, dimensionless (in units of the natural frequency ω0). The eigenvalue
+    /// with the + sign in Eq. 14 is the first.
     pub eigenvalues: [Complex<f64>; 2],
     /// The stability that follows from the eigenvalues.
     pub stability: Stability,
@@ -122,7 +124,7 @@ pub enum Stability {
     StableFocus,
     /// h1 ≥ 2: perturbations decay without oscillation. At h1 = 2 the node is degenerate.
     StableNode,
-    /// h1 = 0 exactly: the linear system oscillates undamped, and nonlinear terms decide about
+    /// h1 = 0 exactly: the linear system oscillates undamped, and nonlinear terms decide the
     /// stability.
     Center,
     /// −2 < h1 < 0: growing oscillations.

@@ -19,8 +19,8 @@ use crate::state::{Direction, State};
 /// memory.
 ///
 /// Returned by [`Integrator::flow`]. Steps follow each other without a gap. After an error the
-/// iterator returns `None`. If the motion reaches an equilibrium (stick at v_b = 0, or exactly the
-/// equilibrium of steady sliding), the last step has an infinite duration.
+/// iterator returns `None`. If the motion reaches an equilibrium (stick on a belt at rest, or
+/// exactly the equilibrium of steady sliding), the last step has an infinite duration.
 ///
 /// A motion that settles to steady sliding continues for ever without events. If your program waits
 /// for the next event, set [`Integrator::with_max_steps`].

@@ -12,13 +12,15 @@ use crate::state::{Direction, State, Units};
 ///
 /// Events happen only at the end of a step. A step does not borrow the system: it contains the
 /// power series of the motion, which is accurate to the integrator's tolerance over the
-/// [`duration`](Self::duration) of the step. At the time t since the start of the step
+/// [`duration`](Self::duration) of the step. At the time t since the start of the step, velocity v,
+/// displacement u and sliding speed s are
 ///
 /// ```text
 /// v(t) = v(0) + σ(s(t) − s(0)),   u(t) = u(0) + ∫ v dt,   s(t) = Σ s_k t^k
 /// ```
 ///
-/// with the sliding speed s = |v − v_b| and the direction of slip σ = ±1.
+/// v_b is the belt velocity, s = |v − v_b|, and σ = ±1 is the direction of slip. In stick s is 0,
+/// and v = v_b.
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Mode, Polynomial, State};

@@ -11,9 +11,10 @@ use crate::state::State;
 /// stick:  u' = v_b  while |u + 2β v_b| ≤ γ² μ_s
 /// ```
 ///
-/// Everything is dimensionless: time τ = ω0 t, displacement u, damping ratio β, friction load γ²,
-/// belt velocity v_b. The friction law has the static coefficient μ_s and the kinetic coefficient
-/// μ̂(s) at the sliding speed s.
+/// Everything is dimensionless: time τ = ω0 t with the natural frequency ω0, displacement u,
+/// velocity v = u', damping ratio β, friction load γ², belt velocity v_b, relative velocity v_r = v
+/// − v_b. The friction law has the static coefficient μ_s and the kinetic coefficient μ̂(s) at the
+/// sliding speed s.
 ///
 /// In stick the contact transmits the force F = u + 2βv_b. The band of F in which the mass sticks
 /// is half open, so that exactly one motion follows from every state:
@@ -59,7 +60,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// * [`Error::InvalidParameter`] if v_b or μ_s is not finite, μ_s < 0 or μ̂(0) < 0
     ///   ([`check_law`](crate::check_law) finds other speeds at which a law is negative);
-    /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than a few ulps;
+    /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than rounding errors;
     /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
     ///   slope at the speeds 0 and |v_b|;
     /// * [`Error::BadBreakpoints`] if the law's breakpoints are not positive and ascending, or the

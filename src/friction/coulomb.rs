@@ -9,9 +9,9 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_k
 /// ```
 ///
-/// μ_k is the kinetic coefficient at every sliding speed s, and μ_s the static coefficient; both
-/// are dimensionless. If μ_s > μ_k, the friction force jumps at the start of slip. This jump alone
-/// can maintain stick-slip.
+/// The kinetic coefficient μ̂(s) is μ_k at every sliding speed s, and μ_s is the static
+/// coefficient; both are dimensionless. If μ_s > μ_k, the friction force jumps at the start of
+/// slip. This jump alone can maintain stick-slip.
 ///
 /// Source: C. A. de Coulomb, *Théorie des machines simples* (1785); Popp and Stelter, *Phil. Trans.
 /// R. Soc. A* 332 (1990) 89-105.

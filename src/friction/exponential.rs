@@ -9,9 +9,11 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
 /// ```
 ///
-/// μ_s is the static coefficient, μ_k the kinetic coefficient at high sliding speeds s, and v_s the
-/// Stribeck velocity. All quantities are dimensionless. Many papers use the name "exponential law"
-/// for a law with exp(−s/v_s); that law is [`Stribeck`](crate::Stribeck) with the exponent 1.
+/// μ̂(s) is the kinetic coefficient at the sliding speed s, μ_s the static coefficient, μ_k the
+/// kinetic coefficient at high speeds, and v_s the Stribeck velocity. Coefficients are
+/// dimensionless. Speeds are in the unit of velocity of the system
+/// ([`FrictionLaw`](crate::FrictionLaw)). Many papers use the name "exponential law" for a law with
+/// exp(−s/v_s); that law is [`Stribeck`](crate::Stribeck) with the exponent 1.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eq. 6. (Their abstract says that this law "first drops off and then
@@ -43,7 +45,7 @@ pub struct Exponential {
 
 impl Exponential {
     /// Creates a law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity
-    /// v_s, all dimensionless.
+    /// v_s.
     ///
     /// # Errors
     ///
@@ -77,7 +79,7 @@ impl Exponential {
         self.kinetic_coefficient
     }
 
-    /// Stribeck velocity v_s, dimensionless.
+    /// Stribeck velocity v_s, in the unit of velocity.
     pub fn stribeck_velocity(&self) -> f64 {
         self.stribeck_velocity
     }

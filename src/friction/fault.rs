@@ -1,7 +1,8 @@
 //! Faults of a friction law.
 
-/// A fault of a friction law, found by [`check_law`](crate::check_law). Speeds and widths are in
-/// the units of the law, slopes in 1/speed; coefficients are dimensionless.
+/// A fault of a friction law, found by [`check_law`](crate::check_law). μ̂(s) is the kinetic
+/// coefficient at the sliding speed s. Speeds and widths are in the units of the law, slopes in
+/// 1/speed; coefficients are dimensionless.
 ///
 /// The text that `Display` writes contains the remedy.
 #[derive(Debug, Clone, Copy, PartialEq)]

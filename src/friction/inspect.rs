@@ -22,13 +22,13 @@ use crate::series::{PowerSeries, TERMS};
 /// be missed.
 ///
 /// A narrow feature is an interval of speeds in which the law differs from a power series that
-/// agrees with it on both sides. A step of a motion can pass over such a feature. A series that
-/// begins close to a feature contains it and does not show it. The law is therefore compared with
-/// series that begin at nine points of the range, upwards and downwards. A feature at an end of the
-/// range is not reported, because it has only one side. A feature counts as narrow if it fits
-/// between two speeds at which the integrator checks the law, in a motion whose velocity amplitude
-/// is half the range. A bump exp(−((s − s_0)/w)²) at a speed s_0 inside the range counts as narrow
-/// if w is less than about 1/85 of the range.
+/// agrees with it on both sides. A step of a motion can pass over such a feature. A power series
+/// that begins close to a feature reproduces the feature and does not reveal it. The law is
+/// therefore compared with series that begin at nine points of the range, upwards and downwards. A
+/// feature at an end of the range is not reported, because it has only one side. A feature counts
+/// as narrow if it fits between two speeds at which the integrator checks the law, in a motion
+/// whose velocity amplitude is half the range. A bump exp(−((s − s_0)/w)²) at a speed s_0 inside
+/// the range counts as narrow if w is less than about 1/85 of the range.
 ///
 /// # Errors
 ///

@@ -159,12 +159,14 @@ impl Iwan4 {
     ///
     /// The sum of the stiffnesses is K_T, and the sum of the limits is F_S, to rounding. The force
     /// of these elements at the first loading is a polygon of tangents, which touch the
-    /// [`backbone`](Self::backbone) F of the model at all e_i. It is never below F. A cycle of
-    /// amplitude e_i dissipates more than the energy D(e_i) of the model, by a factor that tends to
-    /// a constant as i grows. For χ = −0.1 and a grid of 0.5 this constant is 1.068, and the factor
-    /// falls to 0.78 at amplitudes between the e_i. Cycles with an amplitude below limit_1/k_1
-    /// dissipate nothing, so choose n such that e_1 = grid^{n−1} φ_max is below the smallest
-    /// amplitude of interest.
+    /// [`backbone`](Self::backbone) F of the model at all e_i. It is never below F.
+    ///
+    /// Compare the energy that the elements dissipate in a cycle with the energy D of the model. At
+    /// the amplitudes e_i the elements dissipate more; the ratio of the two energies tends to a
+    /// constant as i grows. Between the e_i the ratio can be below 1. For χ = −0.1 and a grid of
+    /// 0.5 the constant is 1.068, and the least ratio between the e_i is 0.78. Cycles with an
+    /// amplitude below limit_1/k_1 dissipate nothing, so choose n such that e_1 = grid^{n−1} φ_max
+    /// is below the smallest amplitude of interest.
     ///
     /// # Errors
     ///

@@ -81,8 +81,9 @@ const HIGHEST: usize = 30;
 ///
 /// v is the velocity of the mass, v_b the velocity of the belt, and v_r = v − v_b the relative
 /// velocity. The friction coefficient is odd in the relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
-/// Coefficients are dimensionless. Speeds are dimensionless for a
-/// [`MassOnBelt`](crate::MassOnBelt), and in the units of the structure for a
+/// Coefficients are dimensionless. All speeds, also those that are parameters of a law, are
+/// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in m/s for a
+/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), and in the units of the structure for a
 /// [`Structure`](crate::Structure).
 ///
 /// # What to write
@@ -127,7 +128,7 @@ const HIGHEST: usize = 30;
 ///
 /// # Piecewise laws
 ///
-/// A piecewise analytic law (a table, a kink) must be continuous. Its
+/// A piecewise analytic law (a table, a law with kinks) must be continuous. Its
 /// [`breakpoints`](Self::breakpoints) are the speeds at which pieces meet, and
 /// [`kinetic_on`](Self::kinetic_on) evaluates one piece. Piece i lies between breakpoint i−1 and
 /// breakpoint i; piece 0 begins at s = 0. The integrator ends a step exactly at a breakpoint, and
@@ -139,7 +140,8 @@ const HIGHEST: usize = 30;
 ///
 /// A law must be a pure function: the same result for the same speed, and always the same
 /// breakpoints and μ_s. It must not panic. If it returns NaN or ±∞ at a speed that the motion
-/// reaches, the motion ends in a typed error. It must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to a few ulps.
+/// reaches, the motion ends in a typed error. It must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to rounding, with
+/// the static coefficient μ_s.
 ///
 /// Checks of these rules:
 ///
@@ -150,7 +152,7 @@ const HIGHEST: usize = 30;
 /// | μ_s that becomes NaN later | the next stick phase, as an error |
 /// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
 /// | a jump or kink that is not declared | usually the step: it is shortened until its series fits the law on both sides, which costs time, or it returns an error. A jump between two speeds at which steps evaluate the law is missed, and causes an error of the size of the jump |
-/// | a feature, NaN included, that is narrower than the distance between the speeds at which a step evaluates the law (at least four in each step) | [`check_law`] only |
+/// | a feature, or an interval of NaN, narrower than the distance between the speeds at which a step evaluates the law (at least four in each step) | [`check_law`] only |
 /// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions are computed with the negative coefficient, so friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one version of the law, or ends in an error |
 ///
@@ -172,7 +174,7 @@ pub trait FrictionLaw: Sized {
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
     /// Sliding speeds at which the pieces of a piecewise law meet: finitely many, ascending,
-    /// positive. An analytic law has no breakpoints. However, if the law has a very narrow feature
+    /// positive. An analytic law needs no breakpoints. However, if it has a very narrow feature
     /// away from s = 0, return the centre and the ends of the feature, so that no step misses it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()

@@ -9,8 +9,10 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_s − k1 s + k3 s³,   k1 = (3/2)(μ_s − μ_m)/v_m,   k3 = (1/2)(μ_s − μ_m)/v_m³
 /// ```
 ///
-/// μ_s is the static coefficient, and s the sliding speed. All quantities are dimensionless. The
-/// coefficient falls from μ_s at s = 0 to μ_m at s = v_m, and rises without bound at higher speeds.
+/// μ̂(s) is the kinetic coefficient at the sliding speed s, and μ_s the static coefficient.
+/// Coefficients are dimensionless. Speeds are in the unit of velocity of the system
+/// ([`FrictionLaw`](crate::FrictionLaw)). The coefficient falls from μ_s at s = 0 to μ_m at s =
+/// v_m, and rises without bound at higher speeds.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
@@ -42,7 +44,7 @@ pub struct Polynomial {
 
 impl Polynomial {
     /// Creates a law with static coefficient μ_s, least coefficient μ_m, and the sliding speed v_m
-    /// at the minimum, all dimensionless.
+    /// at the minimum.
     ///
     /// # Errors
     ///
@@ -85,7 +87,7 @@ impl Polynomial {
         self.minimum_coefficient
     }
 
-    /// Sliding speed v_m of the least coefficient, dimensionless.
+    /// Sliding speed v_m of the least coefficient, in the unit of velocity.
     pub fn minimum_velocity(&self) -> f64 {
         self.minimum_velocity
     }

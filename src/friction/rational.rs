@@ -11,10 +11,12 @@ use crate::scalar::Scalar;
 /// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (after Popp and Stelter)
 /// ```
 ///
-/// μ_s is the static coefficient, s the sliding speed, δ the decay, μ_o the offset, and η the
-/// coefficient of the quadratic term. All quantities are dimensionless. Leine's law falls towards
-/// zero. The law with an offset falls towards μ_o and, for η > 0, rises again. At s = 0 the slope
-/// is −δ(μ_s − μ_o), with μ_o = 0 for Leine's law.
+/// μ̂(s) is the kinetic coefficient at the sliding speed s, μ_s the static coefficient, δ the
+/// decay, μ_o the offset, and η the coefficient of the quadratic term. Coefficients are
+/// dimensionless. Speeds are in the unit of velocity of the system
+/// ([`FrictionLaw`](crate::FrictionLaw)); δ is in 1/speed, and η in 1/speed². Leine's law falls
+/// towards zero. The law with an offset falls towards μ_o and, for η > 0, rises again. At s = 0 the
+/// slope is −δ(μ_s − μ_o), with μ_o = 0 for Leine's law.
 ///
 /// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54;
 /// Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990) 89-105.
@@ -44,8 +46,8 @@ pub struct Rational {
 }
 
 impl Rational {
-    /// Creates Leine's law with static coefficient μ_s and decay δ, both dimensionless, without an
-    /// offset and without a quadratic term.
+    /// Creates Leine's law with static coefficient μ_s and decay δ, without an offset and without a
+    /// quadratic term.
     ///
     /// # Errors
     ///
@@ -77,7 +79,7 @@ impl Rational {
         Ok(self)
     }
 
-    /// Sets the coefficient η of the quadratic term, dimensionless.
+    /// Sets the coefficient η of the quadratic term, in 1/speed².
     ///
     /// # Errors
     ///
@@ -93,7 +95,7 @@ impl Rational {
         Ok(self)
     }
 
-    /// Decay δ, dimensionless: the hyperbola has fallen by half at s = 1/δ.
+    /// Decay δ, in 1/speed: the hyperbola has fallen by half at s = 1/δ.
     pub fn decay(&self) -> f64 {
         self.decay
     }
@@ -103,7 +105,7 @@ impl Rational {
         self.offset
     }
 
-    /// Coefficient η of the quadratic term, dimensionless; 0 unless set.
+    /// Coefficient η of the quadratic term, in 1/speed²; 0 unless set.
     pub fn quadratic(&self) -> f64 {
         self.quadratic
     }

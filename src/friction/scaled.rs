@@ -8,10 +8,11 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ̂_physical(ω0 L s)
 /// ```
 ///
-/// ω0 L is the unit of velocity in m/s: the natural frequency ω0 times the unit of length L of a
-/// [`Scaling`](crate::Scaling). The breakpoints are the breakpoints of the physical law, divided by
-/// ω0 L. [`Scaling::system`](crate::Scaling::system) and [`Scaling::law`](crate::Scaling::law) make
-/// such laws.
+/// μ̂ is the kinetic coefficient at the dimensionless sliding speed s. ω0 L is the unit of velocity
+/// in m/s: the natural frequency ω0 times the unit of length L of a [`Scaling`](crate::Scaling).
+/// The breakpoints are the breakpoints of the physical law, divided by ω0 L.
+/// [`Scaling::system`](crate::Scaling::system) and [`Scaling::law`](crate::Scaling::law) make such
+/// laws.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};

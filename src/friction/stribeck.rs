@@ -10,10 +10,12 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_c + (μ_s − μ_c) exp(−(s/v_s)^δ) + k_v s
 /// ```
 ///
-/// μ_s is the static coefficient, s the sliding speed, v_s the Stribeck velocity, δ the exponent,
-/// and k_v the viscous coefficient. All quantities are dimensionless. δ = 1 gives Tustin's law,
-/// which many papers call "the exponential law". δ = 2 gives the Gaussian law of
-/// Armstrong-Hélouvry, and δ = 2 with k_v = 0 gives [`Exponential`](crate::Exponential).
+/// μ̂(s) is the kinetic coefficient at the sliding speed s, μ_s the static coefficient, v_s the
+/// Stribeck velocity, δ the exponent, and k_v the viscous coefficient. Coefficients are
+/// dimensionless. Speeds are in the unit of velocity of the system
+/// ([`FrictionLaw`](crate::FrictionLaw)); k_v is in 1/speed. δ = 1 gives Tustin's law, which many
+/// papers call "the exponential law". δ = 2 gives the Gaussian law of Armstrong-Hélouvry; without a
+/// viscous term this is the crate's [`Exponential`](crate::Exponential).
 ///
 /// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements.
 /// However, a law with a fractional δ has no power series at s = 0, where slip begins. (For δ = ½
@@ -55,7 +57,7 @@ const UNDERFLOW: f64 = 1000.0;
 
 impl Stribeck {
     /// Creates a law with static coefficient μ_s, Coulomb coefficient μ_c, Stribeck velocity v_s
-    /// and exponent δ, all dimensionless, without a viscous term.
+    /// and exponent δ, without a viscous term.
     ///
     /// # Errors
     ///
@@ -100,7 +102,7 @@ impl Stribeck {
         })
     }
 
-    /// Sets the viscous coefficient k_v, dimensionless.
+    /// Sets the viscous coefficient k_v, in 1/speed.
     ///
     /// # Errors
     ///
@@ -121,7 +123,7 @@ impl Stribeck {
         self.coulomb_coefficient
     }
 
-    /// Stribeck velocity v_s, dimensionless.
+    /// Stribeck velocity v_s, in the unit of velocity.
     pub fn stribeck_velocity(&self) -> f64 {
         self.stribeck_velocity
     }
@@ -131,7 +133,7 @@ impl Stribeck {
         self.exponent
     }
 
-    /// Viscous coefficient k_v, dimensionless; 0 unless set.
+    /// Viscous coefficient k_v, in 1/speed; 0 unless set.
     pub fn viscous_coefficient(&self) -> f64 {
         self.viscous_coefficient
     }

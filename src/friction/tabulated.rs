@@ -8,11 +8,13 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_i + d_i t + c_i t² + b_i t³,   t = s − s_i,   s_i ≤ s ≤ s_{i+1}
 /// ```
 ///
-/// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point and has a
-/// continuous slope. It is monotone between two neighbouring points, so its values there lie
-/// between the coefficients of these points. The slope d_i at an inner point i is the weighted
-/// harmonic mean of the slopes of the two chords that meet there, or 0 if these slopes have
-/// opposite signs.
+/// μ̂(s) is the kinetic coefficient at the sliding speed s. The points are (s_i, μ_i); b_i, c_i and
+/// d_i are the coefficients of the cubic above point i. The friction coefficients μ_i are
+/// dimensionless. Speeds are in the unit of velocity of the system ([`FrictionLaw`]). The law goes
+/// through every point and has a continuous slope. It is monotone between two neighbouring points,
+/// so its values there lie between the coefficients of these points. The slope d_i at an inner
+/// point i is the weighted harmonic mean of the slopes of the two chords that meet there, or 0 if
+/// these slopes have opposite signs.
 ///
 /// The first point must be at s = 0, because slip begins and ends at s = 0, and the slope of the
 /// law near s = 0 has a large effect on stick-slip. If your measurements do not reach such low
@@ -22,7 +24,8 @@ use crate::scalar::Scalar;
 /// between the last two points the law levels off. Measure up to the largest sliding speed of the
 /// motion, which is often twice the belt velocity or more.
 ///
-/// μ_s is μ̂(0), unless set by [`with_static_coefficient`](Self::with_static_coefficient).
+/// The static coefficient μ_s is μ̂(0), unless set by
+/// [`with_static_coefficient`](Self::with_static_coefficient).
 ///
 /// All points except the first are [breakpoints](FrictionLaw::breakpoints): the integrator ends a
 /// step at each point that the motion passes. A few dozen points are enough. Average scattered
@@ -66,8 +69,7 @@ struct Piece {
 }
 
 impl Tabulated {
-    /// Creates a law through the points (s_i, μ_i), both dimensionless. The speeds s_i ascend and
-    /// begin with 0.
+    /// Creates a law through the points (s_i, μ_i). The speeds s_i ascend and begin with 0.
     ///
     /// # Errors
     ///
@@ -138,7 +140,7 @@ impl Tabulated {
         Ok(self)
     }
 
-    /// The points (s_i, μ_i), dimensionless.
+    /// The points (s_i, μ_i).
     pub fn points(&self) -> &[(f64, f64)] {
         &self.points
     }

@@ -11,8 +11,8 @@ mod units;
 
 pub(crate) use units::Units;
 
-/// The state of one mass: displacement u and velocity v = du/dτ, both dimensionless (in m and m/s
-/// for a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt)).
+/// The state of one mass: displacement u and velocity v = du/dτ with the time τ, both dimensionless
+/// (in m and m/s for a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt)).
 ///
 /// ```
 /// use stick_slip::State;
@@ -64,7 +64,8 @@ impl From<[f64; 2]> for State {
 }
 
 /// The direction in which the mass slides on the belt: the sign of the relative velocity v_r = v −
-/// v_b. For a [`Contact`](crate::Contact) it is the sign of the relative velocity r.
+/// v_b, with the velocity v of the mass and v_b of the belt. For a [`Contact`](crate::Contact) it
+/// is the sign of the contact's relative velocity r.
 ///
 /// The names describe a belt that moves forward. On a belt that moves backward (v_b < 0), a mass
 /// that moves backward more slowly than the belt is [`Leading`](Self::Leading), and so is a mass

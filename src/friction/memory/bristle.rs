@@ -14,8 +14,9 @@ use crate::scalar::Scalar;
 /// dry law. In steady sliding μ = sgn(r) g(|r|) + σ2 r. There is no stick mode: every change of
 /// sign of r is a [`Crossing`](crate::EventKind::Crossing). In the following, *near stick* means at
 /// small |r|, while the bristles bend elastically. Near stick the times of crossings are sensitive
-/// to small errors, but the states are not. z is a length. The stiffness σ0 of the bristles is
-/// 1/length; their damping σ1 and the viscous friction σ2 are time/length; g is dimensionless.
+/// to small errors, but the states are not. z is in units of length, the stiffness σ0 of the
+/// bristles in 1/length, their damping σ1 and the viscous friction σ2 in time/length; g is
+/// dimensionless.
 ///
 /// In slip the deflection z relaxes to its steady value at the rate σ0|r|/g. The number of steps
 /// does not grow with this rate: after z has relaxed, a step is a power series on the slow

@@ -12,13 +12,13 @@ use crate::scalar::Scalar;
 /// logarithmic   μ_s(θ) = μ_0 + B ln(1 + θ/θ_c)
 /// ```
 ///
-/// The only memory variable is θ, the time since the beginning of stick. θ is 0 in slip, and starts
-/// from 0 at a [`Stick`](crate::EventKind::Stick) event. The state of a release event contains the
-/// value of θ just before the release. The start state of a motion that starts in stick may contain
-/// θ > 0. μ_∞ is the limit of μ_s, θ_c a time constant, and B the rate of the logarithmic form. A
-/// dry law gives the kinetic coefficient and the static coefficient μ_0 at θ = 0. Coefficients are
-/// dimensionless, times in the units of the structure. [`analysis::dwell`](crate::analysis::dwell)
-/// has closed forms for one mass on a belt.
+/// μ_s is the static coefficient. The only memory variable is θ, the time since the beginning of
+/// stick. θ is 0 in slip, and starts from 0 at a [`Stick`](crate::EventKind::Stick) event. The
+/// state of a release event contains the value of θ just before the release. The start state of a
+/// motion that starts in stick may contain θ > 0. μ_∞ is the limit of μ_s, θ_c a time constant, and
+/// B the rate of the logarithmic form. A dry law gives the kinetic coefficient and the static
+/// coefficient μ_0 at θ = 0. Coefficients are dimensionless, times in the units of the structure.
+/// [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
 ///
 /// Source: B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (hyperbolic);
 /// J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (logarithmic).

@@ -81,8 +81,8 @@ pub enum Motion<S> {
     Slip(Slip<S>),
 }
 
-/// The memory variables of a contact: an array `[S; Z]` of any length Z.
-/// Sealed: no other type can implement it.
+/// The memory variables of a contact: an array `[S; Z]` of any length Z. No other type can
+/// implement this trait.
 pub trait Variables<S>: sealed::Sealed + Copy + AsRef<[S]> + AsMut<[S]> {
     /// Number of variables.
     const COUNT: usize;
@@ -121,13 +121,14 @@ pub enum NamedLaw {
 /// stick:  |λ| ≤ N·μ_s(z),            z' = rates
 /// ```
 ///
-/// N is the normal load and z are the memory variables. r = σs is the relative velocity, with the
-/// direction of slip σ = ±1 and the sliding speed s. A positive friction force λ opposes a positive
-/// r. Every [`FrictionLaw`] is also a contact law, without memory: μ(r) = σμ̂(s), and μ_s is its
-/// static coefficient.
+/// N is the normal load, λ the friction force, μ the friction coefficient, and μ_s the static
+/// coefficient. z are the memory variables; [`rates`](Self::rates) returns their rates z'. r = σs
+/// is the relative velocity, with the direction of slip σ = ±1 and the sliding speed s. A positive
+/// λ opposes a positive r. Every [`FrictionLaw`] is also a contact law, without memory: μ(r) =
+/// σμ̂(s), with its kinetic coefficient μ̂(s) and its own μ_s.
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
-/// on the direction of slip and on the base values ([`Scalar::value`]) of its arguments.
+/// on the direction of slip, and on the numbers that [`Scalar::value`] returns for its arguments.
 ///
 /// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros.
 /// At speed 0, μ_s must be at least |μ|, and friction must oppose slip. The law must be continuous
@@ -177,7 +178,7 @@ pub enum NamedLaw {
             if the law has memory variables"
 )]
 pub trait ContactLaw: Sized {
-    /// The memory variables: `[S; Z]` for Z of them.
+    /// The memory variables: an array `[S; Z]`, where Z is their number.
     type Memory<S: Scalar>: Variables<S>;
 
     /// Friction coefficient μ(r, z), dimensionless. The friction λ = N·μ acts on the mass as the
@@ -185,8 +186,8 @@ pub trait ContactLaw: Sized {
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
     /// Static coefficient μ_s(z), dimensionless: the contact sticks while its force is at most
-    /// N·μ_s. `None` for a contact that never sticks. The argument `zero` gives the number type:
-    /// write a constant as `zero.constant(0.4)`.
+    /// N·μ_s. `None` for a contact that never sticks. The argument `zero` is the number 0 of type
+    /// `S`: `zero.constant(0.4)` is the constant 0.4 of this type.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
     /// Rates of change dz/dt of the memory variables, per unit of time.
