@@ -1,29 +1,31 @@
 //! Averaging, for weak friction and any law: the slow growth and decay of a vibration, and the
 //! limit cycles that it approaches.
 //!
-//! Symbols are those of the [crate page](crate#the-mass-on-its-belt). Let z = u − ū = A sin ψ and
-//! z' = A cos ψ, where ū is the equilibrium. The amplitude A drifts slowly (Eq. 12 of Farshidianfar
-//! and Noei Aghaee, for any law):
+//! u is the displacement, τ the time, β the damping ratio, γ² the friction load and v_b the belt
+//! velocity. μ(v_r) is the friction coefficient at the relative velocity v_r, and μ̂(s) = μ(s) the
+//! kinetic coefficient at the sliding speed s. Let z = u − ū = A sin ψ and z' = A cos ψ, where ū is
+//! the displacement of the equilibrium. The amplitude A drifts slowly. Its rate is (Eq. 12 of
+//! Farshidianfar and Noei Aghaee, for any law)
 //!
 //! ```text
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase does not drift: ψ = ψ(0) + τ. Their paper says that such integrals "are not
-//! analytically solvable". This module computes them to round-off. Integration by parts avoids
-//! cancellation at small A. By mirror symmetry the result depends on the speed w = |v_b| of the
-//! belt, but not on its direction:
+//! The phase does not drift: ψ = ψ(0) + τ. The paper says that such integrals "are not analytically
+//! solvable". This module computes them to round-off. Integration by parts avoids cancellation at
+//! small A. By mirror symmetry the result depends on the speed w = |v_b| of the belt, but not on
+//! its direction:
 //!
 //! ```text
-//! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
-//! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
+//! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin θ
+//! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin θ)
 //! ```
 //!
-//! with cos s = w/A and the slope μ̂' = dμ̂/ds of the law. The terms with sin s come from the jump
-//! of the friction force when the mass overtakes the belt; they are absent for A ≤ w. If A ≤ w and
-//! all sliding speeds lie on one piece of the law, the integrand is smooth and periodic, and the
-//! trapezoidal rule is used. Otherwise Gauss-Legendre quadrature is used on panels that end at ψ =
-//! s and where the sliding speed passes a breakpoint.
+//! μ̂' is the slope of the law at the given sliding speed, and the angle θ follows from cos θ =
+//! w/A. The terms with sin θ come from the jump of the friction force when the mass overtakes the
+//! belt; they are absent for A ≤ w. If A ≤ w and all sliding speeds lie on one piece of the law,
+//! the integrand is smooth and periodic, and the trapezoidal rule is used. Otherwise Gauss-Legendre
+//! quadrature is used on panels that end at ψ = θ and where the sliding speed passes a breakpoint.
 //!
 //! The amplitude A and the period 2π have errors O(ε²), where ε is the size of friction and damping
 //! compared with the spring ([`analysis`](super)). Averaging describes only motions that never
@@ -38,13 +40,13 @@ use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
-/// Drift dA/dτ of the amplitude A ≥ 0 of a vibration, dimensionless.
+/// Drift dA/dτ, with the time τ, of the amplitude A ≥ 0 of a vibration. Dimensionless.
 ///
-/// The page [`averaging`](self) has the formula. It holds for any law and any v_b. The
-/// error is O(ε²), with ε of [`analysis`](super).
+/// The page [`averaging`](self) has the formula. It holds for any law and any belt velocity v_b.
+/// The error is O(ε²), with ε of [`analysis`](super).
 ///
-/// For Coulomb's law on a belt at rest, without damping, the drift is −2γ²μ_k/π: the amplitude
-/// falls by 4γ²μ_k in each cycle.
+/// For Coulomb's law on a belt at rest, without damping, the drift is −2γ²μ_k/π, with the friction
+/// load γ² and the kinetic coefficient μ_k. The amplitude therefore falls by 4γ²μ_k in each cycle.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the printed right sides are not
 /// averaged over a cycle.
@@ -74,8 +76,9 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 /// Slope dA'/dA of the [`drift`] A' at the amplitude A ≥ 0, dimensionless: the growth rate of a
 /// perturbation of the amplitude.
 ///
-/// The error is O(ε²), as that of [`drift`], where ε is defined. If v_b ≠ 0 and μ̂(0) > 0, the
-/// slope tends to −∞ as A falls to |v_b|.
+/// The error is O(ε²), with ε of [`analysis`](super). If the belt velocity v_b is not 0, and the
+/// kinetic coefficient μ̂(0) at the sliding speed 0 is positive, the slope tends to −∞ as A falls
+/// to |v_b|.
 ///
 /// # Errors
 ///
@@ -98,7 +101,7 @@ pub fn drift_slope<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Re
 struct SlowFlow {
     /// Growth rate A'/A without the part of the jump.
     rate: f64,
-    /// Part of the jump, (2γ²/π) μ̂(0) sin s; 0 for A ≤ w.
+    /// Part of the jump, (2γ²/π) μ̂(0) sin θ; 0 for A ≤ w.
     jump: f64,
     /// Slope dA'/dA.
     slope: f64,
@@ -158,7 +161,7 @@ impl SlowFlow {
     }
 }
 
-/// The sine of s, where cos s = |v_b|/A < 1, without cancellation.
+/// The sine of θ, where cos θ = |v_b|/A < 1, without cancellation.
 fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
     let cosine = belt_speed / amplitude;
     ((amplitude - belt_speed) / amplitude * (1.0 + cosine)).sqrt()
@@ -213,11 +216,12 @@ fn slope_integrals(
 
 /// A cycle of the averaged equation: an amplitude A > 0 at which the [`drift`] A' is 0.
 ///
-/// The motion is z = A sin ψ about the equilibrium, with period 2π. All quantities are
-/// dimensionless. For ε see [`analysis`](super); the other symbols are those of the [crate
-/// page](crate#the-mass-on-its-belt). Errors are O(ε²) in the amplitude (half the range of u, or
-/// the largest velocity) and in the period, and O(ε³) in the multiplier. The error of the mean
-/// displacement is O(ε), because the exact motion is not centred on the equilibrium.
+/// The displacement from the equilibrium is A sin ψ, and the period 2π. v_b is the belt velocity,
+/// γ² the friction load, μ_s the static coefficient, and μ̂(0) the kinetic coefficient at the
+/// sliding speed 0. All quantities are dimensionless. Errors are O(ε²), with ε of
+/// [`analysis`](super), in the amplitude (half the range of displacements, or the largest velocity)
+/// and in the period, and O(ε³) in the multiplier. The error of the mean displacement is O(ε),
+/// because the exact motion is not centred on the equilibrium.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: 4/3 replaces the printed 3/4),
 /// extended to any law and to cycles in which the mass overtakes the belt.
@@ -251,17 +255,17 @@ impl AveragedCycle {
         self.drift_slope < 0.0
     }
 
-    /// Time per cycle during which the mass is faster than the belt, dimensionless: 2s with
-    /// cos s = |v_b|/A, or 0 if A ≤ |v_b|. Error O(ε²).
+    /// Time per cycle during which the mass is faster than the belt, dimensionless: 2θ with cos θ =
+    /// |v_b|/A, or 0 if A ≤ |v_b|. Error O(ε²).
     pub fn leading_duration(&self) -> f64 {
         2.0 * self.half_leading_duration
     }
 
     /// Returns true if the motion never sticks, so that averaging describes it: if A ≤ |v_b|, or if
-    /// A sin s > γ²(μ_s + μ̂(0)) with cos s = |v_b|/A. In the second case the mass overtakes the
-    /// belt. When both velocities are equal again, static friction cannot balance the spring.
-    /// Otherwise the motion sticks: see [`StickSlip`](super::StickSlip). The load γ² above which
-    /// the second condition fails has a relative error O(ε).
+    /// A sin θ > γ²(μ_s + μ̂(0)) with cos θ = |v_b|/A. Under the second condition the mass
+    /// overtakes the belt and does not stick: when both velocities are equal again, static friction
+    /// cannot balance the spring. Otherwise the motion sticks: see [`StickSlip`](super::StickSlip).
+    /// The load γ² above which the second condition fails has a relative error O(ε).
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }
@@ -270,20 +274,22 @@ impl AveragedCycle {
 /// All cycles of the averaged equation, stable and unstable, by ascending amplitude, including
 /// cycles in which the mass overtakes the belt.
 ///
-/// A stick-slip cycle that exists only because μ_s > μ̂(0), as for Coulomb's law, is not included,
-/// because the averaged equation does not contain μ_s.
+/// The averaged equation does not contain the static coefficient μ_s. A stick-slip cycle that
+/// exists only because μ_s exceeds the kinetic coefficient μ̂(0) at the sliding speed 0, as for
+/// Coulomb's law, is therefore not included.
 ///
 /// # What "all" means
 ///
-/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Friction supplies energy only while
-/// the velocity of the mass is between 0 and that of the belt, at sliding speeds below |v_b|. If A
-/// ≥ 2|v_b|, the mass reaches each of these sliding speeds also while it is faster than the belt.
-/// Friction then dissipates more energy than it supplies.) The search covers 0 < A < 2|v_b|. Let
-/// A_i be the amplitudes at which the largest or the least velocity of the mass is the belt
-/// velocity, or a velocity whose sliding speed is a breakpoint of the law. Between two successive
-/// A_i, A'/A is analytic in √(A² − A_i²), and is interpolated by Chebyshev polynomials to
-/// round-off. The intervals are divided until A'/A has no root or is monotone on each. No cycle is
-/// missed, except
+/// v_b is the belt velocity, β the damping ratio, γ² the friction load, and μ̂(s) the kinetic
+/// coefficient at the sliding speed s. Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|.
+/// (Friction supplies energy only while the velocity of the mass is between 0 and that of the belt,
+/// at sliding speeds below |v_b|. If A ≥ 2|v_b|, the mass reaches each of these sliding speeds also
+/// while it is faster than the belt. Friction then dissipates more energy than it supplies.) The
+/// search covers 0 < A < 2|v_b|. Let A_i be the amplitudes at which the largest or the least
+/// velocity of the mass is the belt velocity, or a velocity whose sliding speed is a breakpoint of
+/// the law. Between two successive A_i, A'/A is analytic in √(A² − A_i²), and is interpolated by
+/// Chebyshev polynomials to round-off. The intervals are divided until A'/A has no root or is
+/// monotone on each. No cycle is missed, except
 ///
 /// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than its rounding
 ///   error, at most 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)). Near folds of the exponential law a pair may be
@@ -405,7 +411,7 @@ fn describe(system: &Belt<'_>, amplitude: f64) -> Result<AveragedCycle, Error> {
     if amplitude > w {
         let sine = sine_of_crossing(w, amplitude);
         cycle.half_leading_duration = sine.atan2(w / amplitude);
-        // While the mass leads, u covers a range of 2A sin s, centred where the acceleration is 0:
+        // While the mass leads, u covers a range of 2A sin θ, centred where the acceleration is 0:
         // F = −γ²μ̂(0). This range must end beyond F = γ²μ_s.
         cycle.is_valid =
             amplitude * sine > system.load() * (law.static_coefficient() + law.kinetic(0.0));

@@ -1,7 +1,7 @@
-//! Closed forms for Coulomb's law: stick-slip, its borders, and free vibration.
+//! Closed forms for Coulomb's law: stick-slip, the limits of its existence, and free vibration.
 //!
-//! The law has the static coefficient μ_s and the kinetic coefficient μ_k. The other symbols are
-//! those of the [crate page](crate#the-mass-on-its-belt).
+//! The law has the static coefficient μ_s and the kinetic coefficient μ_k. β is the damping ratio,
+//! γ² the friction load and v_b the belt velocity.
 
 use std::f64::consts::PI;
 
@@ -15,9 +15,9 @@ use crate::state::State;
 
 /// The slip phase at the largest belt velocity at which a stick-slip cycle exists.
 ///
-/// This belt velocity is γ²(μ_s − μ_k)Λ. At the end of the phase the velocity of the mass reaches
-/// the belt velocity tangentially. The duration s and the factor Λ depend on the damping ratio β
-/// alone.
+/// This belt velocity is γ²(μ_s − μ_k)Λ, with the friction load γ², the static coefficient μ_s and
+/// the kinetic coefficient μ_k. At the end of the slip phase the velocity of the mass reaches the
+/// belt velocity tangentially. The duration s and the factor Λ depend on the damping ratio β alone.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -34,8 +34,11 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// The slip phase at the largest belt velocity at which a stick-slip cycle exists, for the damping
-/// ratio β. Exact to rounding. `None` unless 0 < β < 1.
+/// The slip phase of the stick-slip cycle at the largest belt velocity at which this cycle exists:
+/// its duration, and the factor Λ of this belt velocity, γ²(μ_s − μ_k)Λ.
+///
+/// The argument is the damping ratio β. γ² is the friction load, μ_s the static and μ_k the kinetic
+/// coefficient; [`TangentialSlip`] has the formulas. Exact to rounding. `None` unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -57,11 +60,13 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
 
 /// Belt velocity below which there is a stick-slip cycle, dimensionless. Exact.
 ///
-/// This velocity is γ²(μ_s − μ_k)Λ(β), with the factor Λ of [`tangential_slip`]. There is a
-/// stick-slip cycle for every |v_b| > 0 below it.
+/// This velocity is γ²(μ_s − μ_k)Λ(β), with the friction load γ², the static coefficient μ_s, the
+/// kinetic coefficient μ_k, the damping ratio β, and the factor Λ that [`tangential_slip`]
+/// computes. At every belt velocity v_b with 0 < |v_b| < γ²(μ_s − μ_k)Λ there is a stick-slip
+/// cycle.
 ///
-/// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or
-/// μ_s = μ_k. The system's own v_b is ignored.
+/// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or μ_s =
+/// μ_k. The system's own belt velocity is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::largest_stick_slip_velocity;
@@ -84,9 +89,16 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 /// The least damping ratio β with which there is no stick-slip cycle at the system's belt velocity.
 /// Dimensionless, exact.
 ///
-/// It is the root of γ²(μ_s − μ_k)Λ(β) = |v_b|, with the factor Λ of [`tangential_slip`]. The
-/// result lies in 0 < β < 1; it is 0 if μ_s = μ_k or if the root is too small for an `f64`. `None`
-/// if v_b = 0. The system's own β is ignored. For other laws see
+/// If the static coefficient μ_s exceeds the kinetic coefficient μ_k, the result is the root of
+/// γ²(μ_s − μ_k)Λ(β) = |v_b|, with the friction load γ², the belt velocity v_b, and the factor Λ
+/// that [`tangential_slip`] computes. The root lies in 0 < β < 1. The result is 0 if the root is
+/// too small for an `f64`, or if μ_s = μ_k, because there is then no stick-slip cycle with any
+/// damping.
+///
+/// With this damping or more no vibration lasts. The exception is β = 0: without damping, small
+/// vibrations about steady sliding last.
+///
+/// `None` if v_b = 0. The system's own β is ignored. For other laws see
 /// [`bifurcation::silencing_damping`](crate::bifurcation::silencing_damping).
 ///
 /// ```
@@ -124,8 +136,9 @@ pub fn silencing_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
 
 /// Damping ratio above which there is no vibration at any belt velocity. Dimensionless, exact.
 ///
-/// It is 1 if μ_s > μ_k, and 0 if μ_s = μ_k (vibrations then last only without damping). The
-/// system's own v_b and β are ignored.
+/// It is 1 if the static coefficient μ_s exceeds the kinetic coefficient μ_k. It is 0 if μ_s = μ_k,
+/// because vibrations then last only without damping. The system's own belt velocity and damping
+/// are ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::silencing_damping_everywhere;
@@ -142,8 +155,8 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
 
 /// Belt velocity above which no vibration lasts. Dimensionless, exact.
 ///
-/// It is [`largest_stick_slip_velocity`] if β > 0. If β = 0 it is ∞, because small vibrations then
-/// last at every belt velocity. The system's own v_b is ignored.
+/// It is [`largest_stick_slip_velocity`] if the system is damped. Without damping it is ∞, because
+/// small vibrations then last at every belt velocity. The system's own belt velocity is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::quiet_velocity;
@@ -164,16 +177,18 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 
 /// The stick-slip cycle, with or without damping. Exact.
 ///
-/// If there is damping, one equation is solved numerically, to rounding.
+/// With damping, one equation is solved numerically, to rounding.
 ///
-/// Without damping, in dimensionless form with F = γ²(μ_s − μ_k):
+/// Without damping, the durations and the largest sliding speed are as follows. F = γ²(μ_s − μ_k),
+/// with the friction load γ², the static coefficient μ_s and the kinetic coefficient μ_k; v_b is
+/// the belt velocity and v the velocity of the mass. All quantities are dimensionless.
 ///
 /// ```text
-/// stick 2F/v_b,   slip 2(π − atan(F/v_b)),   max |v − v_b| = v_b + √(v_b² + F²)
+/// stick 2F/|v_b|,   slip 2(π − atan(F/|v_b|)),   max |v − v_b| = |v_b| + √(v_b² + F²)
 /// ```
 ///
-/// `None` if there is no stick-slip cycle: if v_b = 0, if μ_s = μ_k, if β ≥ 1, or if |v_b| is at
-/// least [`largest_stick_slip_velocity`]. The Floquet multiplier is 0.
+/// `None` if there is no stick-slip cycle: if v_b = 0, if μ_s = μ_k, if the damping ratio is at
+/// least 1, or if |v_b| is at least [`largest_stick_slip_velocity`]. The Floquet multiplier is 0.
 ///
 /// Source: the exact solution of the equations of stick and slip, which are linear for this law.
 ///
@@ -212,10 +227,12 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 
 /// Undamped free vibration on a belt at rest, until static friction holds the mass.
 ///
-/// The amplitude falls by 4γ²μ_k in each cycle. Between two turning points the mass vibrates for
-/// half a period, a time of π, about −γ²μ_k (forward motion) or γ²μ_k (backward motion). The
-/// turning points are u_n = (−1)ⁿ·sgn(u_0)·(|u_0| − 2nγ²μ_k), n = 0, 1, …. The mass comes to rest
-/// at the first turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
+/// γ² is the friction load, μ_k the kinetic and μ_s the static coefficient, and u the displacement.
+/// The amplitude falls by 4γ²μ_k in each cycle. From one turning point to the next the mass takes
+/// the time π. This is half a period of a harmonic motion whose centre is −γ²μ_k if the mass moves
+/// forward, and γ²μ_k if it moves backward. The turning points are u_n = (−1)ⁿ·sgn(u_0)·(|u_0| −
+/// 2nγ²μ_k), n = 0, 1, …. The mass comes to rest at the first turning point with |u| ≤ γ²μ_s.
+/// Dimensionless, exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;
@@ -244,7 +261,8 @@ pub struct FreeVibration {
 }
 
 impl FreeVibration {
-    /// The motion from a state at time 0. `None` unless v_b = 0, β = 0 and the state is finite.
+    /// The motion from a state at time 0. `None` unless the belt is at rest, the system is
+    /// undamped, and the state is finite.
     pub fn new(system: &MassOnBelt<Coulomb>, start: State) -> Option<Self> {
         let kinetic = system.load() * system.law().kinetic_coefficient();
         let State {

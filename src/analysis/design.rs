@@ -1,16 +1,17 @@
 //! Design against vibration: the least damping for stable steady sliding, and the belt velocity
 //! above which no vibration lasts.
 //!
-//! **Stabilizing** damping makes steady sliding stable. **Silencing** damping leaves no vibration
-//! at all. Stable steady sliding is not always enough: a stick-slip motion may also exist, and
-//! lasts for ever once a disturbance has started it.
+//! **Stabilizing** damping makes steady sliding stable. With **silencing** damping, or more, no
+//! vibration lasts. (The exception is silencing damping 0 with constant friction: without damping,
+//! small vibrations then last.) Stable steady sliding is not always enough: a stick-slip motion may
+//! also exist, and lasts for ever once a disturbance has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
-//! | least damping for stability at one belt velocity | [`stabilizing_damping`] | |
-//! | least damping that leaves no vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::silencing_damping`] |
-//! | least damping over a range of belt velocities | [`stabilizing_damping_over`] | |
-//! | least damping at every belt velocity | | [`polynomial`], [`exponential`], [`coulomb`]`::silencing_damping_everywhere` |
+//! | least damping for stable steady sliding at one belt velocity | [`stabilizing_damping`] | |
+//! | least damping without vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::silencing_damping`] |
+//! | least damping for stable steady sliding over a range of belt velocities | [`stabilizing_damping_over`] | |
+//! | least damping without vibration at any belt velocity | | [`polynomial`], [`exponential`], [`coulomb`]`::silencing_damping_everywhere` |
 //! | belt velocity above which no vibration lasts | | [`polynomial`], [`exponential`], [`coulomb`]`::quiet_velocity` |
 //!
 //! [`polynomial`]: super::polynomial
@@ -28,12 +29,14 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// exact.
 ///
 /// It is max(0, −½γ² dμ̂/ds), with the friction load γ² and the slope dμ̂/ds of the law at the
-/// sliding speed |v_b|. `None` if v_b = 0. The system's own β is ignored.
+/// sliding speed |v_b|, the speed of the belt. `None` if v_b = 0. The system's own damping ratio β
+/// is ignored.
 ///
-/// With more damping, small disturbances decay. Large disturbances need not: with the exponential
-/// law, or with one that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although
-/// steady sliding is stable. With the polynomial law large disturbances decay, too, if friction is
-/// weak compared with the spring.
+/// With more damping, small disturbances decay. Large disturbances need not. With the exponential
+/// law a stick-slip vibration may exist although steady sliding is stable. The same holds for a law
+/// with μ_s > μ̂(0), such as Coulomb's. (μ_s is the static coefficient, and μ̂(0) the kinetic
+/// coefficient at the sliding speed 0.) With the polynomial law large disturbances decay, too, if
+/// friction is weak compared with the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: the eigenvalues of steady sliding have negative
 /// real parts if 2β + γ² dμ̂/ds > 0.
@@ -59,7 +62,8 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
 /// Dimensionless, exact to rounding.
 ///
 /// It is ½γ² times the largest −dμ̂/ds in this range, or 0 if the law does not fall there. (γ² is
-/// the friction load, dμ̂/ds the slope of the law.) The system's own v_b and β are ignored.
+/// the friction load, dμ̂/ds the slope of the law.) The system's own belt velocity and damping are
+/// ignored.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its

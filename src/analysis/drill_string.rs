@@ -7,9 +7,10 @@
 /// J_l φ_l'' − k(φ_u − φ_l) + T(φ_l') = 0,       d = dT/dω at the steady speed
 /// ```
 ///
-/// φ_u and φ_l are angles of rotation, J_u and J_l moments of inertia, k the stiffness of the
-/// shaft, b_u the damping of the drive, T the friction torque. Any consistent units may be used:
-/// with kg·m², N·m and N·m·s, angular velocities are in rad/s.
+/// φ_u and φ_l are the angles of rotation and J_u and J_l the moments of inertia of the upper and
+/// the lower inertia. k is the stiffness of the shaft, b_u the damping of the drive, and T the
+/// friction torque at the angular velocity ω = φ_l'. Any consistent units may be used: with kg·m²,
+/// N·m and N·m·s, angular velocities are in rad/s.
 ///
 /// ```
 /// use stick_slip::analysis::drill_string::TwoInertias;

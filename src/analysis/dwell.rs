@@ -4,7 +4,7 @@
 //! The system is a mass m with a spring k and a damper c, pressed by the load N on a belt of
 //! velocity v. Let F_s(θ) = N μ_s(θ), where θ is the duration of stick, and F_k = N μ_k. Without
 //! damping, successive durations of stick θ_n follow a return map. Its fixed point θ* is the
-//! duration of stick in the stick-slip cycle:
+//! duration of stick in the stick-slip cycle. Primes are derivatives with respect to θ.
 //!
 //! ```text
 //! return map    k v θ_{n+1} = [F_s(θ_n) − F_k] + [F_s(θ_{n+1}) − F_k]
@@ -14,24 +14,25 @@
 //! release       at displacement F_k/k + z*,  z* = v θ*/2;   amplitude √(z*² + v²/ω²)
 //! ```
 //!
-//! F_s is concave, so there is at most one cycle, and it is stable. If static friction begins at
-//! F_s(0) = F_k, the cycle exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt velocities
-//! below **v_c = 2 F_s'(0)/k**. In the following table ΔF = N(μ_∞ − μ_0) and F_0 = N(μ_0 − μ_k),
-//! with the constants μ_0, μ_∞, θ_c and B of the law [`Dwell`]:
+//! F_s is a concave function of θ, so there is at most one cycle, and it is stable. If static
+//! friction begins at F_s(0) = F_k, the cycle exists if F_s'(0) > kv/2 (Gao's criterion), that is
+//! for belt velocities below **v_c = 2 F_s'(0)/k**. In the following table ΔF = N(μ_∞ − μ_0) and
+//! F_0 = N(μ_0 − μ_k), with the constants μ_0, μ_∞, θ_c and B of the law [`Dwell`]:
 //!
-//! | form | v_c for F_0 = 0 | θ* |
+//! | form of μ_s(θ) | v_c for F_0 = 0 | θ* |
 //! |---|---|---|
-//! | hyperbolic | 2ΔF/(kθ_c) | 2ΔF/(kv) − θ_c for F_0 = 0; then z* = ΔF/k − vθ_c/2, linear in v |
+//! | hyperbolic | 2ΔF/(kθ_c) | for F_0 = 0: 2ΔF/(kv) − θ_c, so that z* = ΔF/k − vθ_c/2 is linear in v |
 //! | exponential | 2ΔF/(kθ_c) | θ_c[a/q + W0(−e^{−a/q}/q)], q = kvθ_c/(2ΔF), a = 1 + F_0/ΔF |
 //! | logarithmic | 2NB/(kθ_c) | −θ_c[1 + W−1(−q e^{−q−a})/q], q = kvθ_c/(2NB), a = F_0/(NB) |
 //!
 //! W0 and W−1 are the branches of Lambert's function.
 //!
 //! With damping, the slip phase is a part of a damped vibration. In units of time 1/ω and length
-//! v/ω, all possible slip phases form a family with one parameter, for example its duration. Each
-//! slip phase of the family fits one duration of stick θ and, because F_s depends on θ, one belt
-//! velocity v. The cycles therefore form a curve in the plane of θ and v, which is known in closed
-//! form. Along the curve v has one maximum, the fold, at which a stable and an unstable cycle meet.
+//! v/ω, all possible slip phases form a family with one parameter, for example the duration of
+//! slip. Each slip phase of the family fits one duration of stick θ and, because F_s depends on θ,
+//! one belt velocity v. The cycles therefore form a curve in the plane of θ and v, which is known
+//! in closed form. Along the curve v has one maximum, the fold, at which a stable and an unstable
+//! cycle meet.
 //!
 //! At the lowest belt velocity of the unstable cycle, the mass reaches the belt velocity
 //! tangentially at the end of slip. Let Λ be the factor of
@@ -53,7 +54,9 @@ use crate::numerics::bracket::root_between;
 /// A mass with a spring and a damper on a belt, with static friction that rises during stick and
 /// constant kinetic friction.
 ///
-/// The page [`dwell`](self) has the formulas. Any consistent units may be used.
+/// The page [`dwell`](self) has the formulas. μ_s(θ) is the static coefficient after the duration θ
+/// of stick, μ_k the kinetic coefficient, and ω = √(k/m) the natural frequency. Any consistent
+/// units may be used.
 ///
 /// ```
 /// use stick_slip::analysis::dwell::DwellOscillator;
@@ -158,7 +161,7 @@ impl DwellOscillator {
     }
 
     /// The unstable stick-slip cycle at the belt velocity v, exact. This cycle separates the starts
-    /// that lead to the stable cycle from the other starts. It exists only with damping, between
+    /// that lead to the stable cycle from those that do not. It exists only with damping, between
     /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold). `None` in the
     /// cases listed at [`stick_slip`](Self::stick_slip), or if rounding cannot separate the cycle
     /// from the fold. If static friction has almost reached its limit at the release, the range of

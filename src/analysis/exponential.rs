@@ -2,8 +2,8 @@
 //! stability, and the damping that ends all vibration.
 //!
 //! The law is μ̂(s) = μ_k + (μ_s − μ_k)e^{−(s/v_s)²} (Farshidianfar and Noei Aghaee, Eq. 6), with
-//! the static coefficient μ_s, the kinetic coefficient μ_k and the Stribeck velocity v_s. The other
-//! symbols are those of the [crate page](crate#the-mass-on-its-belt).
+//! the static coefficient μ_s, the kinetic coefficient μ_k, the Stribeck velocity v_s and the
+//! sliding speed s. β is the damping ratio, γ² the friction load and v_b the belt velocity.
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
@@ -15,8 +15,9 @@ use crate::numerics::bracket::root_between;
 /// bifurcation.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: the eigenvalues of steady sliding are imaginary
-/// if 2β + γ²μ̂'(v) = 0, with the slope μ̂' of the law at the belt velocity v. The sign of the
-/// cubic term −γ²μ̂'''(v)A³/16 of the [averaged equation](super::averaging) decides the type.
+/// if 2β + γ²μ̂'(v) = 0, with the damping ratio β, the friction load γ², and the slope μ̂' of the
+/// law at the belt velocity v. The sign of the cubic term −γ²μ̂'''(v)A³/16 of the [averaged
+/// equation](super::averaging) for the amplitude A decides the type.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -24,7 +25,7 @@ pub struct HopfPoint {
 }
 
 impl HopfPoint {
-    /// Belt velocity |v_b|, dimensionless. Exact.
+    /// Speed |v_b| of the belt, dimensionless. Exact.
     pub fn velocity(&self) -> f64 {
         self.velocity
     }
@@ -41,14 +42,15 @@ impl HopfPoint {
 /// The two belt velocities v_low < v_high between which steady sliding is unstable. Dimensionless,
 /// exact to rounding.
 ///
-/// They are the roots v of
+/// One root v of the following equation lies below v_s/√2, and one above:
 ///
 /// ```text
 /// x e^{−x²} = c,   x = v/v_s,   c = β v_s/(γ²(μ_s − μ_k))
 /// ```
 ///
-/// one below and one above x = 1/√2, with the symbols of [`exponential`](self). Near c = 1/√(2e)
-/// both roots are ill-conditioned. The system's own v_b is ignored.
+/// β is the damping ratio, γ² the friction load, μ_s the static coefficient, μ_k the kinetic
+/// coefficient at high speeds, and v_s the Stribeck velocity. Near c = 1/√(2e), with Euler's number
+/// e, both roots are ill-conditioned. The system's own belt velocity is ignored.
 ///
 /// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
 /// if β = 0: steady sliding is then unstable at every belt velocity or, if friction is constant
@@ -57,9 +59,11 @@ impl HopfPoint {
 /// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
 /// The Hopf point at v_low is always supercritical. Farshidianfar and Noei Aghaee say that this law
-/// behaves "almost similar" to the polynomial law. This is wrong: the polynomial law rises at
-/// speeds above its minimum, and the exponential law never rises. On a slow belt with small
-/// damping, steady sliding is stable with the exponential law and unstable with the polynomial law.
+/// behaves "almost similar" to the polynomial law. This is wrong. The polynomial law rises at
+/// speeds above its minimum, and the exponential law never rises. At the sliding speed 0 the slope
+/// of the exponential law is 0, and that of the polynomial law is negative. With small damping,
+/// steady sliding on a very slow belt is therefore stable with the exponential law and unstable
+/// with the polynomial law.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
@@ -96,13 +100,15 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 
 /// Damping ratio above which there is no vibration at any belt velocity, dimensionless.
 ///
-/// It is γ²(μ_s − μ_k)/(v_s √(2e)), with the symbols of [`exponential`](self) and Euler's number e.
-/// At this ratio the damper exactly balances the steepest fall of friction, which is at the sliding
-/// speed v_s/√2. The system's own v_b and β are ignored.
+/// It is γ²(μ_s − μ_k)/(v_s √(2e)), with the friction load γ², the static coefficient μ_s, the
+/// kinetic coefficient μ_k at high speeds, the Stribeck velocity v_s and Euler's number e. At this
+/// damping ratio the damper exactly balances the steepest fall of friction, which is at the sliding
+/// speed v_s/√2. The system's own belt velocity v_b and damping ratio β are ignored.
 ///
-/// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. There is no vibration at exactly this damping ratio either. The exception is μ_s = μ_k:
-/// the ratio is 0, friction is constant, and every small vibration lasts.
+/// The result is exact. With more damping the force 2βv + γ²μ(v − v_b) of damper and friction rises
+/// with the velocity v of the mass, and every motion loses energy. At exactly this damping ratio
+/// there is no vibration either. The exception is μ_s = μ_k: the result is 0, friction is constant,
+/// and at β = 0 every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
@@ -124,9 +130,10 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
 
 /// Belt velocity above which no vibration lasts, dimensionless.
 ///
-/// It is 0 if β is at least [`silencing_damping_everywhere`], and ∞ if β = 0. In between the result
-/// is `None`: no formula is known, because a stick-slip vibration can exist at belt velocities at
-/// which steady sliding is stable. The system's own v_b is ignored.
+/// It is ∞ if the damping ratio β is 0, and 0 if β > 0 is at least
+/// [`silencing_damping_everywhere`]. In between the result is `None`, because no formula is known:
+/// a stick-slip vibration can exist at belt velocities at which steady sliding is stable. The
+/// system's own belt velocity is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

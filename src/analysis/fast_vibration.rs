@@ -4,7 +4,9 @@
 //! If a belt vibrates at a frequency Ω far above the natural frequencies of the system, a fast
 //! relative velocity w cos Ωt is added to the slow relative velocity v. The mean of the friction
 //! coefficient over one period 2π/Ω then acts on the slow motion. All formulas are dimensionless
-//! and hold in the limit Ω → ∞. k1 and k3 are coefficients of the law [`Polynomial`].
+//! and hold in the limit Ω → ∞. The means below are those of Coulomb's law with the kinetic
+//! coefficient μ_k, and of the cubic law [`Polynomial`] with the static coefficient μ_s and the
+//! coefficients k1 and k3.
 //!
 //! ```text
 //! Coulomb:   μ_k (2/π) arcsin(v/w)  for |v| < w        no jump at v = 0, and no stick
@@ -22,9 +24,9 @@ use crate::friction::{Coulomb, Polynomial};
 
 /// Mean friction coefficient of Coulomb's law under a fast vibration, dimensionless.
 ///
-/// v is the slow relative velocity, and w ≥ 0 the velocity amplitude of the vibration. The mean is
-/// μ_k(2/π) arcsin(v/w) for |v| < w, and μ_k sgn v for |v| ≥ w. This is the limit of a vibration of
-/// infinitely high frequency.
+/// v is the slow relative velocity, w ≥ 0 the velocity amplitude of the vibration, and μ_k the
+/// kinetic coefficient. The mean is μ_k(2/π) arcsin(v/w) for |v| < w, and μ_k sgn v for |v| ≥ w.
+/// This is the limit of a vibration of infinitely high frequency.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -49,13 +51,14 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
 /// Belt velocity v above which steady sliding is stable under a fast vibration, for the cubic law.
 /// Dimensionless.
 ///
-/// v² = v_m²(1 − 2β/η) − w²/2, with the velocity amplitude w ≥ 0 of the vibration, the damping
-/// ratio β, the sliding speed v_m of least friction, and [`η`](PureSlip::eta). This is the limit of
-/// a vibration of infinitely high frequency.
+/// v² = v_m²(1 − 2β/η) − w²/2. w ≥ 0 is the velocity amplitude of the vibration, β the damping
+/// ratio, v_m the sliding speed of least friction, and [`η`](PureSlip::eta) the rate at which the
+/// friction force falls at the sliding speed 0. This is the limit of a vibration of infinitely high
+/// frequency.
 ///
 /// The formula holds for v > w. If it gives no such v, steady sliding is stable at every belt
 /// velocity above w, and the result is `None`. `None` also if w is negative or NaN. The system's
-/// own v_b is ignored. For w = 0 the result is
+/// own belt velocity is ignored. For w = 0 the result is
 /// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
 ///
 /// ```

@@ -1,5 +1,5 @@
-//! A forced oscillator with dry friction on a surface at rest: Den Hartog's motion without pauses
-//! (stops) of stick.
+//! A forced oscillator with dry friction on a surface at rest: Den Hartog's motion without stops. A
+//! stop is a time in which friction holds the mass at rest.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -14,8 +14,9 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// ```
 ///
 /// For a mass m, a stiffness k and a damping constant c the unit of time is 1/ω0 with ω0 = √(k/m),
-/// so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s and p are forces in a common unit, and θ is a
-/// phase. The unit of displacement is that of force divided by k.
+/// so Ω is in units of ω0, and ζ = c/(2√(km)). F is the kinetic friction, F_s the largest static
+/// friction, and p the amplitude of the harmonic force, all in a common unit; θ is a phase. The
+/// unit of displacement is that of force divided by k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;
@@ -59,15 +60,17 @@ pub struct ForcedOscillator {
     pub force: f64,
 }
 
-/// The periodic motion of a [`ForcedOscillator`] with two turning points in each period, at ±A, and
-/// without stops. Exact.
+/// The periodic motion of a [`ForcedOscillator`] with two turning points in each period, at x = ±A,
+/// and without stops: the mass does not stay at rest at a turning point. Exact.
+///
+/// On the half period that follows the largest displacement x is
 ///
 /// ```text
 /// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
 /// ```
 ///
-/// on the half period that follows the largest displacement. C, D, P and S are constants; the other
-/// symbols are those of [`ForcedOscillator`]. The other half period is the mirror image.
+/// C, D, P and S are constants; the remaining symbols are those of [`ForcedOscillator`]. The second
+/// half of the period is the mirror image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WithoutStops {
     oscillator: ForcedOscillator,
@@ -80,7 +83,10 @@ pub struct WithoutStops {
 }
 
 impl ForcedOscillator {
-    /// The symmetric motion with two turning points in each period and without stops.
+    /// The symmetric motion with two turning points in each period, at ±A, and without stops: the
+    /// mass does not stay at rest at a turning point.
+    ///
+    /// Its amplitude is A:
     ///
     /// ```text
     /// A = −GF + √(p²Q² − H²F²),   Q = 1/√((1−Ω²)² + (2ζΩ)²),   q = √(1−ζ²),  a = πζ/Ω,  b = πq/Ω
@@ -209,12 +215,13 @@ impl WithoutStops {
     }
 }
 
-/// Largest ratio of friction to force with which an undamped oscillator moves without stops.
-/// Dimensionless, exact.
+/// Largest ratio of friction to force with which an undamped oscillator moves without stops, that
+/// is, without rest at its turning points. Dimensionless, exact.
 ///
 /// The ratio is F/p, with the symbols of [`ForcedOscillator`]; damping is ζ = 0, and static
 /// friction equals kinetic friction, F_s = F. The argument is the angular frequency Ω of the force,
-/// in units of ω0. `None` unless Ω is positive and finite, and Ω² neither overflows nor underflows.
+/// in units of the natural frequency. `None` unless Ω is positive and finite, and Ω² neither
+/// overflows nor underflows.
 ///
 /// ```text
 /// √(V²/(U² + (S/Ω²)²)),   V = 1/(1 − Ω²),   U = sin(π/Ω)/(Ω(1 + cos(π/Ω)))

@@ -176,8 +176,9 @@ pub fn backbone(
 /// F.
 ///
 /// The history starts at displacement 0 and force 0, and the displacement changes monotonically
-/// from each value to the next. The rules are exact for any number of Jenkins elements in parallel
-/// with constant limits; the upper sign holds for rising x:
+/// from each value to the next. The rules below are exact for any number of Jenkins elements in
+/// parallel with constant limits. T is the force at the displacement x; the upper sign holds for
+/// rising x.
 ///
 /// ```text
 /// first loading:   T = F(x)

@@ -1,8 +1,10 @@
 //! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass on bristles, and passivity
 //! (the bristles supply no energy).
 //!
-//! g is the friction law, σ0 the stiffness and σ1 the damping of the bristles, and σ2 the
-//! coefficient of viscous friction.
+//! The equations of the bristles are z' = r − σ0|r|z/g(|r|) and μ = σ0 z + σ1 z' + σ2 r. z is the
+//! deflection of the bristles, r the relative velocity, and μ the friction coefficient. g is the
+//! kinetic coefficient of a dry law, σ0 the stiffness and σ1 the damping of the bristles, and σ2
+//! the coefficient of viscous friction.
 //!
 //! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *A new model for control of
 //! systems with friction*, IEEE Trans. Automatic Control 40 (1995) 419-425, Eqs. 1-3; for passivity
@@ -16,8 +18,9 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// Steady sliding at a relative velocity r, with the rate at which a perturbation of the bristles
 /// decays.
 ///
-/// Symbols are those of [`LuGre`]: deflection z of the bristles, friction coefficient μ, friction
-/// law g. z' is the time derivative of z, and g' the slope of g at |r|.
+/// z is the deflection of the bristles, z' its time derivative, μ the friction coefficient, and
+/// g(|r|) the dry law with the slope g'. σ0 is the stiffness of the bristles, and σ2 the
+/// coefficient of viscous friction ([`LuGre`]).
 ///
 /// ```text
 /// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r
@@ -65,8 +68,9 @@ pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<
 /// The small vibration of a mass on bristles, with a spring and a damper.
 ///
 /// m is the mass, k the stiffness of the spring, c the constant of the damper, N the normal load,
-/// and x the displacement from the equilibrium. The bristles have the stiffness σ0, the damping σ1
-/// and the viscous coefficient σ2. Their deflection z is 0 at x = x_0.
+/// and x the displacement from the equilibrium. The bristles have the deflection z, the stiffness
+/// σ0, the damping σ1 and the viscous coefficient σ2. x_0 is the displacement x at which they are
+/// not deflected.
 ///
 /// ```text
 /// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0
@@ -83,7 +87,7 @@ pub struct ContactVibration {
 /// The small vibration of a mass m on bristles, with a spring k, a damper c and a load N.
 ///
 /// The formulas of [`ContactVibration`] hold in the limit of displacements that are small compared
-/// with g/σ0, the deflection of the bristles in steady sliding. Any consistent units may be used.
+/// with the deflection of the bristles in steady sliding. Any consistent units may be used.
 ///
 /// `None` unless m and N are positive, k ≥ 0 and c ≥ 0, all finite.
 ///
@@ -132,10 +136,10 @@ pub fn contact_vibration<L: FrictionLaw>(
 /// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over 0 ≤ speed ≤ max_speed
 /// ```
 ///
-/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s
-/// − μ_k)/μ_k. If the speed is not limited, the condition is also necessary: with a smaller σ2,
-/// bristles can supply energy to a mass. The law's own σ2 is ignored; the result has the unit of
-/// σ1.
+/// For a law that falls from the static coefficient μ_s to the kinetic coefficient μ_k this is the
+/// condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s − μ_k)/μ_k. If the speed is not limited, the
+/// condition is also necessary: with a smaller σ2, bristles can supply energy to a mass. The law's
+/// own σ2 is ignored; the result has the unit of σ1.
 ///
 /// # Errors
 ///

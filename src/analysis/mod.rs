@@ -18,16 +18,17 @@
 //!
 #![doc = include_str!("../figures/errors.svg")]
 //!
-//! *Difference between the formulas and the exact cycle, for γ² = ε and β = 0.05ε. The slope of a
-//! line is the order of the error. (a) Cycles without stick. (b) Stick-slip.*
+//! *Difference between the formulas and the exact cycle, for the friction load γ² = ε and the
+//! damping ratio β = 0.05ε. The slope of a line is the order of the error. (a) Cycles without
+//! stick. (b) Stick-slip.*
 //!
-//! Symbols are those of the [crate page](crate#the-mass-on-its-belt). No function of this module
-//! integrates the equations of motion, so the formulas are an independent check of the computed
-//! motions. O(εⁿ) is the order of an error as friction and damping become weak compared with the
-//! spring: (γ², β) → (εγ², εβ), ε → 0. "Eq. n", if no other source is named, is an equation of A.
-//! Farshidianfar and N. Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
-//! Stability Analysis*. "Eq. n, corrected" is an equation that is printed wrongly in the paper; the
-//! table below lists the corrections.
+//! Symbols are those of the [crate page](crate#the-mass-on-its-belt) and of [`PureSlip`]. No
+//! function of this module integrates the equations of motion, so the formulas are an independent
+//! check of the computed motions. O(εⁿ) is the order of an error as friction and damping become
+//! weak compared with the spring: (γ², β) → (εγ², εβ), ε → 0. "Eq. n", if no other source is named,
+//! is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for Friction
+//! Induced Vibration and Stability Analysis*. "Eq. n, corrected" is an equation that is printed
+//! wrongly in the paper; the table below lists the corrections.
 //!
 //! | Question | Answer |
 //! |---|---|
@@ -38,7 +39,7 @@
 //! | which motion the mass settles to, polynomial law | [`regime`] |
 //! | the damping, or the belt velocity, above which there is no vibration | [`design`] |
 //! | closed forms for Coulomb's, the exponential or the polynomial law | [`coulomb`], [`exponential`], [`polynomial`] |
-//! | a harmonic force on a mass with dry friction: amplitude, and the condition for motion without stops | [`forced`] |
+//! | a harmonic force on a mass with dry friction: amplitude, and the condition for motion without stick | [`forced`] |
 //! | a spring in series with a dry slider: first harmonic, hysteresis, exact response of one mass | [`jenkins`]; many in parallel: [`Iwan4`](crate::Iwan4) |
 //! | static friction that rises during stick: cycles, and the condition for their existence | [`dwell`] |
 //! | bristles: steady sliding, small vibration of a mass, passivity | [`lugre`] |

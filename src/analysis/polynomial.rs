@@ -1,9 +1,9 @@
 //! Closed forms for the polynomial law: the damping and the belt velocity above which there is no
 //! vibration.
 //!
-//! The law is that of Farshidianfar and Noei Aghaee, Eqs. 3-5. μ_m is the least coefficient of the
-//! law, and v_m its sliding speed. The other symbols are those of the [crate
-//! page](crate#the-mass-on-its-belt).
+//! The law is that of Farshidianfar and Noei Aghaee, Eqs. 3-5. It falls from the static coefficient
+//! μ_s to its least coefficient μ_m at the sliding speed v_m. β is the damping ratio, γ² the
+//! friction load and v_b the belt velocity.
 
 use super::PureSlip;
 use crate::belt::MassOnBelt;
@@ -11,13 +11,15 @@ use crate::friction::{FrictionLaw, Polynomial};
 
 /// Damping ratio above which there is no vibration at any belt velocity, dimensionless.
 ///
-/// It is η/2 with η = (3/2)γ²(μ_s − μ_m)/v_m and the symbols of [`polynomial`](self). At this ratio
-/// the damper exactly balances the steepest fall of friction, which is at the sliding speed 0. The
-/// system's own v_b and β are ignored.
+/// It is η/2 with η = (3/2)γ²(μ_s − μ_m)/v_m. γ² is the friction load, μ_s the static coefficient,
+/// and μ_m the least coefficient, at the sliding speed v_m. At this damping ratio the damper
+/// exactly balances the steepest fall of friction, which is at the sliding speed 0. The system's
+/// own belt velocity v_b and damping ratio β are ignored.
 ///
-/// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. There is no vibration at exactly η/2 either. The exception is μ_s = μ_m: η is 0,
-/// friction is constant, and every small vibration lasts.
+/// The result is exact. With more damping the force 2βv + γ²μ(v − v_b) of damper and friction rises
+/// with the velocity v of the mass, and every motion loses energy. At exactly β = η/2 there is no
+/// vibration either. The exception is μ_s = μ_m: η is 0, friction is constant, and at β = 0 every
+/// small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
 ///
@@ -39,9 +41,10 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
 /// Belt velocity above which no vibration lasts, dimensionless.
 ///
 /// Without damping and with constant friction it is ∞, because small vibrations then last at every
-/// belt velocity. Otherwise it is v_b1 = v_m√(1 − 2β/η) if 2β < η, and 0 if 2β ≥ η, with η of
-/// [`silencing_damping_everywhere`] and the speed v_m of least friction. `None` if a coefficient
-/// overflows. The system's own v_b is ignored.
+/// belt velocity. Otherwise it is v_b1 = v_m√(1 − 2β/η) if 2β < η, and 0 if 2β ≥ η. β is the
+/// damping ratio, v_m the sliding speed of least friction, and η/2 the
+/// [`silencing_damping_everywhere`]. `None` if a coefficient overflows. The system's own belt
+/// velocity is ignored.
 ///
 /// v_b1 is exactly the limit of stable steady sliding. No other motion lasts above v_b1 if friction
 /// is weak compared with the spring.

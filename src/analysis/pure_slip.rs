@@ -8,8 +8,8 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// Vibration that never sticks, for the polynomial law: coefficients, averaging, and expansions
 /// beyond averaging.
 ///
-/// The displacement z = u − ū from the equilibrium ū obeys z'' + z + h1 z' + h2 z'² + h3 z'³ = 0
-/// while v_r keeps its sign, with
+/// u is the displacement, ū that of the equilibrium, v the velocity, and v_b the belt velocity.
+/// While v_r = v − v_b keeps its sign, z = u − ū obeys z'' + z + h1 z' + h2 z'² + h3 z'³ = 0, with
 ///
 /// ```text
 /// η  = (3/2) γ²(μ_s − μ_m)/v_m         (Eq. 11)
@@ -18,13 +18,14 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// μ_m is the least coefficient, at the sliding speed v_m. The other symbols are those of the
-/// [crate page](crate#the-mass-on-its-belt); for ε in the orders of errors see [`analysis`](super).
-/// The equation of motion and its coefficients are exact. All quantities are dimensionless. The
-/// formulas hold for both signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the
-/// sign of h2 only. The limits v_b0 and v_b1 are magnitudes.
+/// γ² is the friction load, β the damping ratio, μ_s the static coefficient, and μ_m the least
+/// coefficient, at the sliding speed v_m. Orders of errors are powers of the ε of
+/// [`analysis`](super). The equation of motion and its coefficients are exact. All quantities are
+/// dimensionless. The formulas hold for both signs of v_b: the mirror image (u, v, v_b) → (−u, −v,
+/// −v_b) changes the sign of h2 only. The limits v_b0 and v_b1 in the table are magnitudes; v_b0 is
+/// approximate.
 ///
-/// | v_b | motion |
+/// | belt velocity | motion |
 /// |---|---|
 /// | 0 < abs(v_b) < v_b0, the [`stick_velocity`](Self::stick_velocity) | stick-slip: [`StickSlip`](super::StickSlip) |
 /// | v_b0 < abs(v_b) < v_b1, the [`onset_velocity`](Self::onset_velocity) | pure slip with amplitude A0: this type |
@@ -210,7 +211,7 @@ impl PureSlip {
         Transient::new(coefficients, initial_amplitude, initial_phase)
     }
 
-    /// The cycle with all terms up to order ε: averaging, and the shift of the motion's centre.
+    /// The cycle with all terms up to order ε: the averaged cycle, and the shift of its centre.
     /// `None` if h1 ≥ 0. For errors and range see [`PureSlipCycle`].
     pub fn first_order(&self) -> Option<PureSlipCycle> {
         self.cycle(1)
@@ -288,12 +289,13 @@ impl PureSlip {
     }
 }
 
-/// A pure-slip cycle of the polynomial law, as an expansion for weak friction.
+/// A pure-slip cycle of the polynomial law, as an expansion for weak friction and damping.
 ///
 /// The expansion is in powers of ε ([`analysis`](super)); all quantities are dimensionless.
 /// [`PureSlip::first_order`] to [`PureSlip::fourth_order`] compute it.
 ///
-/// With A0, h1, h2 and h3 of [`PureSlip`], a = A0 h2 and b = A0² h3:
+/// A0, h1, h2 and h3 are those of [`PureSlip`]; a = A0 h2 and b = A0² h3. u is the displacement, ū
+/// that of the equilibrium, v the velocity, and ω the angular frequency. The fourth order is
 ///
 /// ```text
 /// u_max − ū, u_min − ū = ±A0[1 + (153b² + 896a²)/3072] − A0 a[2/3 + (12160a² − 9807b²)/57600]
@@ -304,8 +306,9 @@ impl PureSlip {
 /// ln(multiplier)       = 2πh1 − πb(81b² + 832a²)/768
 /// ```
 ///
-/// The cycle of order n contains the terms up to εⁿ (for n = 4 in the frequency only). The error
-/// that remains has the following order in ε:
+/// The cycles of first, second and third order contain the terms up to ε, ε² and ε³. The cycle of
+/// fourth order differs from that of third order in the frequency and the period only, which
+/// contain the terms up to ε⁴. The errors have the following orders in ε:
 ///
 /// | field | first | second | third | fourth |
 /// |---|---|---|---|---|
@@ -316,8 +319,8 @@ impl PureSlip {
 /// | `multiplier`, `log_multiplier` | 3 | 3 | 5 | 5 |
 /// | second and third harmonic | 3 | 3 | 3 | 3 |
 ///
-/// Range of validity: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; [`PureSlip::grazing_velocity`]
-/// is a better lower end), with a, b, h1 small compared with 1.
+/// The expansion is valid for belt velocities v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]), if a, b
+/// and h1 are small compared with 1. [`PureSlip::grazing_velocity`] is more accurate than v_b0.
 ///
 /// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order consists of Eqs. 13
 /// and 15 of Farshidianfar and Noei Aghaee (corrected) and of the shift of the centre, which they

@@ -2,10 +2,12 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::Polynomial;
 
-/// The motion to which a system with the polynomial law settles.
+/// The motion to which a system with the polynomial law settles, for weak friction and damping.
 ///
-/// Eqs. 14 and 15 of Farshidianfar and Noei Aghaee give the limits v_b0 and v_b1:
-/// [`PureSlip::stick_velocity`] and [`PureSlip::onset_velocity`].
+/// [`regime`] returns it from the belt velocity v_b and two limits, Eqs. 14 and 15 of Farshidianfar
+/// and Noei Aghaee. Steady sliding is unstable for |v_b| below v_b1, the
+/// [`PureSlip::onset_velocity`], which is exact. The mass sticks for |v_b| below v_b0, the
+/// [`PureSlip::stick_velocity`], which is approximate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Regime {
     /// The mass comes to rest on the belt: v_b = 0.
@@ -30,7 +32,8 @@ impl std::fmt::Display for Regime {
     }
 }
 
-/// Returns the motion to which a system with the polynomial law settles, by closed forms.
+/// Returns the motion to which a system with the polynomial law settles, by closed forms for weak
+/// friction and damping.
 ///
 /// The limit v_b1 of steady sliding ([`PureSlip::onset_velocity`]) is exact. The limit v_b0 of
 /// stick ([`PureSlip::stick_velocity`]) has a relative error O(ε²), with ε of [`analysis`](super);

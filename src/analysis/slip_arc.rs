@@ -11,8 +11,8 @@ pub(super) const SMALL: f64 = 1e-17;
 ///
 /// The slip phase is a damped free vibration about the displacement at which kinetic friction
 /// balances the spring. At the start and at the end of slip the mass has the velocity of the belt.
-/// All units are those of the system. If the belt moves backward, displacements have the opposite
-/// sign.
+/// All units are those of the system. On a belt that moves backward, displacements have the
+/// opposite sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExactCycle {
@@ -30,8 +30,9 @@ pub struct ExactCycle {
     pub amplitude: f64,
     /// Largest sliding speed |v − v_b|.
     pub max_sliding_speed: f64,
-    /// Floquet multiplier of a perturbation of the release displacement, dimensionless. The other
-    /// multiplier, of a shift in time, is 1.
+    /// Floquet multiplier of a perturbation of the release displacement, dimensionless. A shift in
+    /// time has the multiplier 1. All other multipliers are 0, because stick removes these
+    /// perturbations.
     pub multiplier: f64,
 }
 

@@ -10,9 +10,12 @@ use crate::scalar::LONGEST;
 /// The stick-slip formulas of Farshidianfar and Noei Aghaee, for any law: stick, then a slip arc of
 /// an undamped oscillation about the equilibrium.
 ///
-/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) computes the exact motion. ū is the
-/// displacement of the equilibrium, κ|v_b| the distance of the release point from it; η and v_m are
-/// those of [`PureSlip`](super::PureSlip).
+/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) computes the exact motion. v_b is
+/// the belt velocity, β the damping ratio, γ² the friction load, μ_s the static coefficient, and
+/// μ̂(s) the kinetic coefficient at the sliding speed s. u is the displacement, ū that of the
+/// equilibrium, and κ|v_b| the distance of the release point from the equilibrium. A1 is the
+/// amplitude, T the period and ω_ss the angular frequency. η and v_m are those of
+/// [`PureSlip`](super::PureSlip).
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
@@ -25,9 +28,9 @@ use crate::scalar::LONGEST;
 /// the small parameter of [`analysis`](super), and the distance of the end from ū is larger by
 /// O(ε^{1/2}). The formulas are therefore inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T
 /// (no better than T = 2π) and O(ε^{1/2}) in the durations. For a cubic law use
-/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order). Range of validity:
-/// κ > 0, and for the polynomial law 0 <
-/// |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
+/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order). The formulas are
+/// valid for κ > 0 and, with the polynomial law, for 0 < |v_b| < v_b0
+/// ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
@@ -75,9 +78,9 @@ struct Cubic {
 }
 
 impl StickSlip {
-    /// Computes the formulas for a system. `None` if v_b = 0, if κ is not finite, or if κ ≤ 0. In
-    /// the last case the force of the damper at the belt velocity is at least the difference
-    /// between static and kinetic friction.
+    /// Computes the formulas for a system. `None` if v_b = 0, if κ is not finite, or if κ ≤ 0. If κ
+    /// ≤ 0, the force of the damper at the belt velocity is at least the difference between static
+    /// and kinetic friction.
     ///
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
     /// it.
@@ -173,9 +176,9 @@ impl StickSlip {
     ///
     /// `None` in these cases:
     ///
-    /// * the law is not a cubic polynomial over all sliding speeds of the cycle. A cubic law has
-    ///   zero derivatives beyond the third at |v_b|, μ_s = μ̂(0), and no
-    ///   [breakpoint](FrictionLaw::breakpoints) below the largest of these speeds;
+    /// * the law is not a cubic polynomial that holds from s = 0 up to the largest sliding speed of
+    ///   the cycle. For a cubic law μ_s = μ̂(0), all derivatives of μ̂ beyond the third are 0 at
+    ///   |v_b|, and no [breakpoint](FrictionLaw::breakpoints) lies below that largest speed;
     /// * W1 ≤ 0, with W1 of [`StickSlipCycle`]; for the polynomial law this is |v_b| ≥ v_b0;
     /// * the mass would overtake the belt (see [`second_order`](Self::second_order));
     /// * the duration of slip would not be positive (W1 ≥ 2π²).
@@ -187,8 +190,9 @@ impl StickSlip {
     /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
     /// `None` in the cases of [`first_order`](Self::first_order), if W ≤ 0 with W of
-    /// [`StickSlipCycle`], or if |v_b|·stick > 2γ²μ_s. In the last case the mass would reach the
-    /// belt velocity outside the stick band and overtake the belt.
+    /// [`StickSlipCycle`], or if the mass would overtake the belt. It does so if |v_b|θ > 2γ²μ_s,
+    /// with the duration θ of stick: the distance |v_b|θ that the mass moves in stick cannot exceed
+    /// the width 2γ²μ_s of the stick band.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)
@@ -327,13 +331,15 @@ impl Cubic {
 /// A stick-slip cycle of a cubic law, as an expansion for weak friction and damping. Dimensionless.
 /// [`StickSlip::first_order`] and [`StickSlip::second_order`] compute it.
 ///
-/// β is the damping ratio, γ² the friction load, v_b the belt velocity and ū the displacement of
-/// steady sliding. An error of order n in ε is multiplied by about εⁿ if γ² and β are multiplied by
-/// a small ε.
+/// β is the damping ratio, γ² the friction load, v_b the belt velocity, μ_s the static coefficient,
+/// and μ̂(s) the kinetic coefficient at the sliding speed s. u is the displacement, ū that of
+/// steady sliding, and v the velocity. An error of order n in ε shrinks like εⁿ if γ² and β are
+/// multiplied by a small ε.
 ///
 /// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For
-/// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at
-/// s = v_b. To first order, for v_b > 0 (for v_b < 0 the mirror image):
+/// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at s =
+/// v_b. For v_b > 0 the cycle to first order is given below; the cycle for v_b < 0 is its mirror
+/// image. `stick` and `slip` are durations.
 ///
 /// ```text
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
@@ -347,7 +353,7 @@ impl Cubic {
 /// of least friction, μ_m the least coefficient and η = (3/2)γ²(μ_s − μ_m)/v_m. The sum
 /// stick + slip lacks the term q0³/3 of T, because stick and slip have errors of this order.
 ///
-/// To second order:
+/// To second order the durations are
 ///
 /// ```text
 /// W  = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²],   r = W/(1 + W),   tan δ = √(W(2 + W))
@@ -356,7 +362,7 @@ impl Cubic {
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
 /// ```
 ///
-/// and the extremes get terms quadratic in H1, H2, H3. The errors have the following orders in ε:
+/// The extremes also get terms quadratic in H1, H2, H3. The errors have the following orders in ε:
 ///
 /// | field | first order | second order |
 /// |---|---|---|
@@ -367,11 +373,11 @@ impl Cubic {
 /// | `return_angle` | 3/2 | 2 |
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
-/// Range of validity: W1 is positive and small compared with 1, and |v_b|·stick ≤ 2γ²μ_s, so that
-/// the mass sticks when it reaches the belt velocity. For the polynomial law W1 > 0 means |v_b| <
-/// v_b0, with v_b0 of [`stick_velocity`](super::PureSlip::stick_velocity). The last condition fails
-/// as ε → 0 at fixed μ_s. To satisfy it, raise μ_s and μ_m by the same constant: the stick band
-/// becomes wider, and u − ū does not change.
+/// The expansion is valid if W1 is positive and small compared with 1, and if |v_b|·stick ≤ 2γ²μ_s,
+/// so that the mass sticks when it reaches the belt velocity. For the polynomial law W1 > 0 means
+/// |v_b| < v_b0, with v_b0 of [`stick_velocity`](super::PureSlip::stick_velocity). The condition
+/// |v_b|·stick ≤ 2γ²μ_s fails as ε → 0 at fixed μ_s. To satisfy it, raise μ_s and μ_m by the same
+/// constant: the stick band becomes wider, and u − ū does not change.
 ///
 /// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1 −
 /// |v_b|/v_b0. The exact duration of stick goes to zero at

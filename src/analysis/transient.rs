@@ -3,8 +3,8 @@ use crate::state::State;
 
 /// Slow growth or decay of a vibration without stick, for the polynomial law, in closed form.
 ///
-/// The vibration about the equilibrium ū is u − ū = A sin ψ with ψ = τ + φ. Eq. 12 and its
-/// solution:
+/// The displacement u vibrates about the equilibrium ū: u − ū = A sin ψ with ψ = τ + φ and the time
+/// τ. Amplitude A and phase shift φ obey Eq. 12, whose solution is on the right:
 ///
 /// ```text
 /// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)
@@ -12,9 +12,10 @@ use crate::state::State;
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// h1, h3 and ū are those of [`PureSlip`](super::PureSlip). The first equation is a Bernoulli
-/// equation: it is linear in 1/A². All quantities are dimensionless. Errors are O(ε) for times up
-/// to O(1/ε), as long as A(τ) ≤ |v_b|.
+/// v is the velocity; h1 and h3 are those of [`PureSlip`](super::PureSlip). The first equation is a
+/// Bernoulli equation: it is linear in 1/A². All quantities are dimensionless. Errors are O(ε),
+/// with ε of [`analysis`](super), for times up to O(1/ε), as long as A(τ) does not exceed the belt
+/// speed |v_b|.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides must be means over a
 /// cycle, and A' = 0 on limit cycles only. [`PureSlip::transient`](super::PureSlip::transient)

@@ -44,8 +44,8 @@ pub fn along<'f, L: FrictionLaw>(
 /// The search of one system along its belt velocity. The methods of [`Along`] return the same
 /// results as [`hopf_velocities`](super::hopf_velocities),
 /// [`grazing_velocities`](super::grazing_velocities) and the other functions for belt velocities.
-/// Other methods of [`Along`] bound the work, or set a function that sees the progress and may stop
-/// the search. The system's own v_b is ignored.
+/// [`Along`] can also bound the work, and call a function that sees the progress and may stop the
+/// search. The system's own belt velocity is ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///
@@ -69,8 +69,9 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// # Cost
 ///
 /// The unit of work is one step of a slip phase, which takes about a microsecond. If friction is so
-/// stiff that a step needs several series, the step counts several times. An oscillation takes
-/// about ten steps, and two more for each breakpoint of the law that it passes.
+/// stiff that the power series of a step is computed several times (Newton's method), the step
+/// counts as often. An oscillation takes about ten steps, and two more for each breakpoint of the
+/// law that it passes.
 ///
 /// A search computes 65 systems, and some tens more for each value that is found. For each system
 /// [`hopf`](Self::hopf) takes no steps. [`grazing`](Self::grazing), [`touching`](Self::touching)
@@ -80,15 +81,16 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// these six searches.
 ///
 /// A million steps take one to two seconds. For example, the folds for a table of n widely
-/// scattered points take about 200 n² steps: a second for 60 points, and a minute or two for 400
-/// points. For 400 points the default bound must be raised.
+/// scattered points take about 200 n² steps: a second for 60 points, and half a minute to a minute
+/// for 400 points. For 400 points the default bound of the work must be raised.
 ///
-/// A search stops if the number of steps reaches its bound, or if its [watcher](Self::watched)
-/// stops it. The bound is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) unless
+/// A search stops if the number of steps reaches its bound, or if its [watcher](Self::watched), a
+/// function of yours, stops it. The bound is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) unless
 /// [`with_max_steps`](Self::with_max_steps) sets it. Bound and watcher are checked before each
 /// system; one system takes at most about 2·10⁵ steps. A search that stops returns
 /// [`Error::Stopped`] with the value reached and the results below this value, so no result is
-/// lost. After this error, smooth the table, raise the bound, or search the rest of the range.
+/// lost. After this error, raise the bound, smooth a table of scattered points, or search the rest
+/// of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
@@ -117,7 +119,7 @@ pub struct Progress {
     pub value: f64,
     /// Number of systems searched so far.
     pub systems: usize,
-    /// Number of steps of slip phases so far.
+    /// Number of steps of slip phases so far, the unit of the work.
     pub steps: usize,
 }
 

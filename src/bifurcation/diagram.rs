@@ -12,14 +12,14 @@ use crate::limit_cycle::{CycleSet, find_all};
 pub struct DiagramPoint {
     /// Belt velocity v_b, dimensionless.
     pub belt_velocity: f64,
-    /// The equilibrium and its stability; `None` at v_b = 0.
+    /// The equilibrium and its stability; `None` on a belt at rest.
     pub equilibrium: Option<Equilibrium>,
-    /// Every periodic motion.
+    /// The periodic motions, as [`find`](crate::limit_cycle::find) returns them.
     pub cycles: CycleSet,
 }
 
 /// The equilibrium and all periodic motions for each belt velocity (dimensionless) of a list. Each
-/// item is computed when the iterator reaches it. The system's own v_b is ignored.
+/// item is computed when the iterator reaches it. The system's own belt velocity is ignored.
 ///
 /// # Errors
 ///

@@ -35,18 +35,18 @@ const LEAST_BEND: f64 = 0.25;
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
 /// stable and one unstable, meet and vanish.
 ///
-/// Let V be a peak of the velocity in a motion, and P(V) the next peak. The growth over one period
-/// is g(V) = P(V)/V − 1; it is zero for a cycle. At each belt velocity the extrema of g lie at the
-/// roots of the exact derivative of g. At a fold one of these extrema is zero, and the multiplier
-/// of the cycle is 1.
+/// Let V be a maximum of the velocity in a motion, and P(V) the next maximum. The growth over one
+/// period is g(V) = P(V)/V − 1; it is zero for a cycle. At each belt velocity the extrema of g lie
+/// at the roots of the exact derivative of g. At a fold one of these extrema is zero, and the
+/// multiplier of the cycle is 1.
 ///
 /// The range is divided into 64 intervals. For nine values of V, g is computed at both ends of an
-/// interval; let c be the largest change of g. An extremum of g is followed through the interval
-/// only if its absolute value is less than 2c. An interval is divided further, into up to 2¹⁶
-/// parts, if extrema appear, disappear or move far in it, or if an extremum may reach zero between
-/// the two ends. Each zero of an extremum is enclosed between two neighbouring `f64` numbers. At
-/// both numbers |g| must be at most 10⁻⁹; otherwise g jumps over zero, and the velocity is not
-/// returned.
+/// interval; let c be the largest change of g from one end to the other. An extremum of g is
+/// followed through the interval only if its absolute value is less than 2c. An interval is divided
+/// further, into up to 2¹⁶ parts, if extrema of g appear, disappear or move far in it, or if an
+/// extremum may reach zero between the two ends. Each zero of an extremum is enclosed between two
+/// neighbouring `f64` numbers. At both numbers |g| must be at most 10⁻⁹; otherwise g jumps over
+/// zero, and the velocity is not returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.

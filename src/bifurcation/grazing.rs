@@ -17,15 +17,15 @@ use crate::state::Direction;
 ///
 /// The law has the static coefficient μ_s and the kinetic coefficient μ̂(s) at the sliding speed s.
 /// If μ̂(0) = μ_s, a pure-slip cycle touches the belt velocity at this v_b and becomes stick-slip.
-/// If μ̂(0) < μ_s (Coulomb), the stick-slip cycle disappears, and no pure-slip cycle takes its
-/// place. Pure-slip cycles then touch the belt velocity at other values of v_b, the
+/// If μ̂(0) < μ_s, as for Coulomb's law, the stick-slip cycle disappears, and no pure-slip cycle
+/// takes its place. Pure-slip cycles then touch the belt velocity at other values of v_b, the
 /// [`touching_velocities`].
 ///
-/// The velocities are the roots of a function of v_b that is smooth at each root. If the mass
-/// reaches the belt velocity again after release, the function is w²/(2v_b²), where w is the
-/// acceleration of the mass at this instant. If the velocity of the mass has a maximum V below v_b,
-/// the function is V/v_b − 1. The motions at v_b and −v_b are mirror images; both velocities are
-/// returned if both lie in the range.
+/// The velocities are the roots of a function of v_b that is smooth at each root. The function is
+/// positive, w²/(2v_b²), if the mass reaches the belt velocity again after release; w is the
+/// acceleration of the mass at this instant. The function is negative, V/v_b − 1, if the velocity
+/// of the mass has a maximum V below v_b. The motions at v_b and −v_b are mirror images; both
+/// velocities are returned if both lie in the range.
 ///
 /// The range is divided into 64 intervals. Each interval that may contain a root is divided
 /// further, into up to 2¹⁰ parts. If the range is a thousand times wider than the part in which the
@@ -63,9 +63,10 @@ pub fn grazing_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
 /// overshoot, or overshoot into plain stick-slip (see
-/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a v_b, the mass returns to the belt
-/// velocity after release exactly at one end of the stick band: the end opposite to the release
-/// point. (The stick band is the range of displacements at which the mass can stick.)
+/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a velocity v_b, the mass returns to the
+/// belt velocity after release exactly at one end of the stick band: the end opposite to the
+/// release point. (The stick band is the range of displacements at which the mass can stick; stick
+/// ends at the release point.)
 ///
 /// The range is searched in the same way as in [`grazing_velocities`].
 ///
@@ -91,8 +92,8 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
 /// crossing, or crossing into overshoot (see [`CycleKind`](crate::limit_cycle::CycleKind)). At such
-/// a v_b, the mass overtakes the belt after release, and when its velocity returns to v_b, its
-/// displacement is that at which stick ended.
+/// a velocity v_b, the mass overtakes the belt after release. When its velocity has fallen to v_b
+/// again, the mass is exactly at the displacement at which stick ended.
 ///
 /// The range is searched in the same way as in [`grazing_velocities`].
 ///
@@ -131,9 +132,9 @@ pub fn crossing_velocities<L: FrictionLaw>(
 /// the belt velocity at a displacement at which the mass can stick. If a stick-slip cycle exists
 /// beside this pure-slip cycle, it does not change at this v_b.
 ///
-/// The velocities are the roots of the function described at [`grazing_velocities`]. Here, however,
-/// the function is computed for the motion that starts with a velocity maximum v_b. The range is
-/// searched in the same way.
+/// The velocities are the roots of the function described at [`grazing_velocities`]. That function
+/// is computed for the motion from the release point; here it is computed for the motion that
+/// starts with a velocity maximum v_b. The range is searched in the same way.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
 /// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.

@@ -10,13 +10,13 @@ use crate::orbit::Criticality;
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
 /// regains stability.
 ///
-/// At these velocities the damping h1 of steady sliding changes its sign:
+/// At these velocities the damping of steady sliding, h1, changes its sign:
 ///
 /// ```text
-/// h1(v_b) = 2β + γ² dμ̂/ds(|v_b|),
+/// h1(v_b) = 2β + γ² dμ̂/ds(|v_b|)
 /// ```
 ///
-/// with the damping ratio β, the friction load γ², and the kinetic coefficient μ̂(s) at the sliding
+/// β is the damping ratio, γ² the friction load, and μ̂(s) the kinetic coefficient at the sliding
 /// speed s.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
@@ -62,10 +62,12 @@ pub fn hopf_velocities<L: FrictionLaw>(
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
     ///
-    /// A search by [`along_velocities`] works as in [`hopf_velocities`]. In a search by
-    /// [`along`](super::along()), the damping h1 of steady sliding is only sampled. The range is
-    /// divided into 64 intervals, and each interval that may contain a root is divided further,
-    /// into up to 2¹⁰ parts. A value at which h1 jumps to the other sign is also returned.
+    /// A search by [`along_velocities`] works as in [`hopf_velocities`], by power series of the
+    /// law. A search by [`along`](super::along()) has no such series: it computes the damping h1 of
+    /// steady sliding, defined at [`hopf_velocities`], at single values of the parameter. The range
+    /// is divided into 64 intervals, and each interval that may contain a sign change of h1 is
+    /// divided further, into up to 2¹⁰ parts. A value at which h1 jumps to the opposite sign is
+    /// also returned.
     ///
     /// # Errors
     ///
@@ -125,9 +127,9 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
     Ok(relative)
 }
 
-/// Returns whether a pure-slip cycle born at the Hopf point v_b is stable (supercritical) or
-/// unstable (subcritical). The sign of the third derivative d³μ̂/ds³(|v_b|) of the kinetic
-/// coefficient decides.
+/// Returns whether a pure-slip cycle born at the Hopf point, the belt velocity v_b, is stable
+/// (supercritical) or unstable (subcritical). The sign of the third derivative d³μ̂/ds³(|v_b|) of
+/// the kinetic coefficient μ̂(s) at the sliding speed s decides.
 ///
 /// The function does not check that v_b is a Hopf point. If |v_b| is a breakpoint of the law, the
 /// function uses the third derivative just above this breakpoint. If the damping h1 of steady

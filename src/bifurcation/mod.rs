@@ -25,29 +25,31 @@
 //!
 #![doc = include_str!("../figures/regimes.svg")]
 //!
-//! *Attractors over belt velocity and damping, with their computed borders: Hopf points (black),
-//! grazing (blue), overshoot and crossing (purple), folds (green). (a) Polynomial law with static
-//! coefficient 0.4, least coefficient 0.1 at the sliding speed 1, and friction load γ² = 0.15. (b)
-//! Exponential law with static coefficient 0.6, kinetic coefficient 0.3, Stribeck velocity 0.4, and
-//! γ² = 1: two stable motions can coexist.*
+//! *Attractors over belt velocity and damping, with their computed borders, which the table below
+//! explains: Hopf points (black), grazing (blue), overshoot and crossing (purple), folds (green).
+//! (a) Polynomial law with static coefficient 0.4, least coefficient 0.1 at the sliding speed 1,
+//! and friction load γ² = 0.15. (b) Exponential law with static coefficient 0.6, kinetic
+//! coefficient 0.3 at high speeds, Stribeck velocity 0.4, and γ² = 1: two stable motions can
+//! coexist.*
 //!
-//! | function | event at the values that it returns |
+//! | function | what happens at the values that it returns |
 //! |---|---|
 //! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] tells whether the cycle is stable |
-//! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt velocity tangentially |
+//! | [`grazing_velocities`] | stick-slip appears or disappears: after release, the velocity of the mass returns to the belt velocity tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet and vanish |
 //! | [`overshoot_velocities`] | the mass begins or ceases to overtake the belt before it sticks |
 //! | [`crossing_velocities`] | a mass that overtakes the belt ceases or begins to stick |
-//! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are also returned |
+//! | [`vibration_ranges`] | the set of attractors changes; the result is a list of intervals with their attractors |
 //! | [`silencing_damping`] | vibration ends: with this damping or more, no vibration lasts at the system's belt velocity |
 //! | [`silencing_load`] | vibration begins: just below this load, no vibration lasts at the system's belt velocity |
 //! | [`hopf_locus`] | the equilibrium of any system loses or regains stability; the result is a list of curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
-//! round-off. The documentation of each function says how densely it searches a range. A narrower
-//! range is searched more densely. Negative velocities are also searched: their motions are mirror
-//! images of those at positive velocities.
+//! round-off. (Only [`vibration_ranges`] finds some borders by bisection.) The documentation of
+//! each function says how densely it searches a range. A narrower range is searched more densely.
+//! Negative velocities are also searched: their motions are mirror images of those at positive
+//! velocities.
 //!
 //! [`along`] makes these searches over any other parameter: a load, a damping, a coefficient of the
 //! law. Searches by [`along`] and [`along_velocities`] accept a bound of the work, and a watcher, a

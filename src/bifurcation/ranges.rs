@@ -23,8 +23,8 @@ use crate::numerics::scan::INTERVALS;
 /// velocities differ, the border between them is found by bisection, to 10⁻¹² of the velocity.
 /// (Such borders are the folds of cycles that cross the belt velocity, which
 /// [`fold_velocities`](super::fold_velocities) does not find.) Borders are merged if their relative
-/// distance is less than 10⁻¹². v_b = 0 is also a border, because on this belt the mass comes to
-/// rest.
+/// distance is less than 10⁻¹². The belt velocity 0 is also a border, because the mass then comes
+/// to rest.
 ///
 /// Just beyond a supercritical Hopf velocity the new cycle is too small for `find`. The attractors
 /// of this interval are therefore taken from velocities farther from the Hopf velocity.
@@ -35,8 +35,8 @@ use crate::numerics::scan::INTERVALS;
 ///
 /// The cost is that of the six searches, and of three calls of `find` between two neighbouring
 /// cuts. If two cuts are closer than a 64th of the range, grazing, touching, overshoot and crossing
-/// velocities are searched once more between them. [`Along::vibration_ranges`] accepts a bound of
-/// the work, a watcher and any other parameter.
+/// velocities are searched once more between them. [`Along::vibration_ranges`] searches along any
+/// parameter, and accepts a bound of the work and a watcher (a function that can stop the search).
 ///
 /// # Errors
 ///
@@ -78,8 +78,8 @@ pub fn vibration_ranges<L: FrictionLaw>(
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct VibrationRange {
-    /// Belt velocities, dimensionless. In a search [`along`](super::along) another parameter:
-    /// values of this parameter, in its own units.
+    /// Belt velocities, dimensionless. After a search [`along`](super::along()) another parameter
+    /// they are values of this parameter, in its own units.
     pub velocities: Range<f64>,
     /// The attractors, from the inside outwards. Empty if a motion can grow without bound, or if
     /// double precision cannot resolve the attractors.

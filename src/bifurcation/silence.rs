@@ -7,15 +7,17 @@ use crate::numerics::bracket::Bracket;
 
 /// The least damping ratio β, dimensionless, at which no vibration lasts at the system's belt
 /// velocity. With this damping or more, steady sliding is stable, and there is no periodic motion.
-/// (Exception: if friction is constant near the speed |v_b| and the result is 0, small vibrations
-/// last at β = 0 itself.) With less damping, a periodic motion exists or steady sliding is
-/// unstable. The system's own β is ignored. The result is 0 if v_b = 0.
+/// (Exception: if the result is 0 and friction is constant near the sliding speed |v_b| of steady
+/// sliding, small vibrations last at β = 0 itself.) With less damping, a periodic motion exists or
+/// steady sliding is unstable. The system's own β is ignored. The result is 0 if the belt velocity
+/// v_b is 0.
 ///
-/// If the kinetic coefficient μ̂ is nowhere negative, a single border separates the dampings with
-/// vibration from those without. The reason: more damping rotates the vector field inwards at every
-/// state with v ≠ 0. Consider a cycle at one value of β, a closed curve in the phase plane. With
-/// less damping, a motion that starts outside this curve stays outside and never reaches steady
-/// sliding. A system that can vibrate at one β can therefore vibrate at every smaller β.
+/// If the kinetic coefficient μ̂(s) is negative at no sliding speed s, a single border separates
+/// the dampings with vibration from those without. The reason: more damping rotates the vector
+/// field inwards at every state with v ≠ 0. Consider a cycle at one value of β, a closed curve in
+/// the phase plane. With less damping, a motion that starts outside this curve stays outside and
+/// never reaches steady sliding. A system that can vibrate at one β can therefore vibrate at every
+/// smaller β.
 ///
 /// One of three changes happens at the border: steady sliding becomes stable (β =
 /// −½γ²dμ̂/ds(|v_b|), with the friction load γ²), the last two cycles meet and vanish, or the
@@ -29,7 +31,8 @@ use crate::numerics::bracket::Bracket;
 /// less than 10⁻⁸, the result is the β at which steady sliding becomes stable.
 ///
 /// The function calls `find` once if the vibration ends where steady sliding becomes stable,
-/// otherwise 60 to 130 times. [`Along::silence`] accepts a bound of the work and a watcher.
+/// otherwise 60 to 130 times. [`Along::silence`] accepts a bound of the work and a watcher (a
+/// function that can stop the search).
 ///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
@@ -98,7 +101,7 @@ fn judged<'s>(
 }
 
 /// The friction load γ², dimensionless, at which vibration begins at the system's belt velocity and
-/// damping. The system's own γ² is ignored.
+/// damping. The system's own load is ignored.
 ///
 /// At this load one of three changes happens: steady sliding becomes unstable (γ² =
 /// −2β/(dμ̂/ds(|v_b|)), with the damping ratio β and the kinetic coefficient μ̂(s) at the sliding
@@ -110,7 +113,7 @@ fn judged<'s>(
 ///   [`Continuum`](crate::limit_cycle::Continuum): a vibration can last with every load;
 /// * 0 if the mass vibrates under every load tried;
 /// * ∞ if the mass vibrates under no load tried, and steady sliding is stable under every load;
-/// * ∞ if v_b = 0.
+/// * ∞ if the belt is at rest.
 ///
 /// The function encloses the load by doubling or halving γ², beginning with γ_1², and narrows the
 /// enclosure to neighbouring numbers. As in [`silencing_damping`],
@@ -119,7 +122,7 @@ fn judged<'s>(
 /// necessarily of the first. [`Along::vibration_ranges`] lists all borders.
 ///
 /// The function calls `find` up to 130 times. [`Along::silence`] accepts a bound of the work and a
-/// watcher.
+/// watcher (a function that can stop the search).
 ///
 /// # Errors
 ///

@@ -22,7 +22,7 @@ use crate::state::{Direction, State, Units};
 )]
 #[non_exhaustive]
 pub enum Attractor {
-    /// The mass is at rest in the stick band of a belt that stands still.
+    /// The mass sticks to a belt that stands still.
     Rest,
     /// Steady sliding at the equilibrium.
     Equilibrium,
@@ -85,9 +85,9 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 ///
 /// | start | decided at | attractor |
 /// |---|---|---|
-/// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction, and with an amplitude above γ²μ_s, [`Continuum`](Attractor::Continuum) |
+/// | any, on a belt at rest | | [`Rest`](Attractor::Rest); without damping and kinetic friction, and with an amplitude above γ²μ_s (friction load times static coefficient), [`Continuum`](Attractor::Continuum) |
 /// | in stick, or slip that ends in stick | the release point | the cycle through the release point; if there is none, the rows below decide for the motion from the release point |
-/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next pure-slip cycle outside or, if there is none, the attractor of the motion from the release point; otherwise the next cycle inside or, if there is none, the equilibrium or the [continuum](Attractor::Continuum) around it |
+/// | slip slower than the belt, if the equilibrium is a focus | a velocity maximum V | if the motion grows over one period: the next pure-slip cycle outside or, if there is none, the attractor of the motion from the release point; otherwise the next cycle inside or, if there is none, the equilibrium or the [continuum](Attractor::Continuum) around it |
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside or, if there is none, [`Unbounded`](Attractor::Unbounded); otherwise the next crossing cycle inside or, if there is none, the attractor of the motion from the release point |
 /// | within a relative distance of 10⁻¹² from an unstable cycle (10⁻⁶ if rounding hides the growth there) | | [`Separatrix`](Attractor::Separatrix) |
@@ -270,8 +270,8 @@ impl<L: FrictionLaw> Basins<'_, L> {
         }
     }
 
-    /// The attractor that the motion from `start` reaches, decided as in [`attractor`] by at most a
-    /// few slip arcs.
+    /// The attractor that the motion from `start` reaches. It is decided from at most a few slip
+    /// arcs, by the table of the function [`limit_cycle::attractor`](attractor()).
     ///
     /// # Errors
     ///

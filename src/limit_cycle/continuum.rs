@@ -11,12 +11,12 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 /// A continuous family of periodic motions, one for each amplitude in a range.
 ///
 /// On a moving belt the family fills a disc around the equilibrium. It exists if there is no
-/// damping, and friction does not depend on the speed near the sliding speed |v_b|. Constant
-/// friction, as in Coulomb's law, neither feeds nor damps a motion in slip.
+/// damping, and friction does not depend on the speed near the sliding speed |v_b|, the speed of
+/// the belt. Constant friction, as in Coulomb's law, neither feeds nor damps a motion in slip.
 ///
 /// On a belt at rest the family exists if there is neither damping nor kinetic friction. It then
-/// consists of all motions with amplitudes above γ²μ_s, the largest static friction; a mass that
-/// turns back at a smaller displacement sticks.
+/// consists of all motions with amplitudes above γ²μ_s, the product of friction load and static
+/// coefficient. A mass that turns back at a smaller displacement sticks.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};

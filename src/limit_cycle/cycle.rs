@@ -7,7 +7,7 @@ use crate::state::{Direction, State, Units};
 
 /// Kinds of periodic motion.
 ///
-/// Source of the first two kinds: Farshidianfar and Noei Aghaee, sections 4.1.1 and 4.1.2.
+/// Farshidianfar and Noei Aghaee describe the first two kinds in sections 4.1.1 and 4.1.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -41,8 +41,9 @@ impl std::fmt::Display for CycleKind {
 /// A periodic motion, exact to rounding.
 ///
 /// A `LimitCycle` contains the power series of one period. Extremes are roots of these series, and
-/// integrals are quadratures of them, not sums over samples. All quantities are dimensionless; in a
-/// cycle returned by a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) they are in SI units.
+/// integrals are quadratures of them, not sums over samples. u is the displacement, v the velocity,
+/// v_b the belt velocity and τ the time. All quantities are dimensionless; in a cycle returned by a
+/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) they are in SI units.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, State, limit_cycle};

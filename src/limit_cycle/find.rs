@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 
 /// The periodic motion through the [release point](MassOnBelt::release_state). `None` if the motion
-/// from the release point never returns to it, or if v_b = 0.
+/// from the release point never returns to it, or if the belt is at rest.
 ///
 /// Its [`kind`](LimitCycle::kind) is [`CycleKind::StickSlip`] or, if the mass overtakes the belt
 /// before it sticks, [`CycleKind::Overshoot`]. The search computes one slip arc for the first kind
@@ -52,11 +52,13 @@ fn stick_slip_of(system: Belt<'_>) -> Result<Option<LimitCycle>, Error> {
     Ok(cycle)
 }
 
-/// All isolated periodic motions, stable and unstable, for any belt velocity.
+/// The periodic motions of a system, stable and unstable, for any belt velocity: all isolated
+/// cycles within [stated limits](crate::limit_cycle#what-is-guaranteed), a continuous family if
+/// there is one, and the ranges that are not resolved.
 ///
 /// Source: return maps between a planar flow's crossings of a line (Guckenheimer and Holmes,
 /// *Nonlinear Oscillations, Dynamical Systems, and Bifurcations of Vector Fields*, Springer 1983,
-/// section 1.5); [what is guaranteed](crate::limit_cycle#what-is-guaranteed).
+/// section 1.5).
 ///
 /// # Errors
 ///

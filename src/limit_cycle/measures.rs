@@ -17,8 +17,8 @@ use crate::state::{State, Units};
 /// the velocity of the mass, v_b that of the belt, v_r = v − v_b, and f the friction force on the
 /// mass; β is the damping ratio, γ² the friction load, and μ̂ the kinetic coefficient.
 ///
-/// For a periodic motion `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss =
-/// v_b ∮u dτ`.
+/// In every cycle `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss = v_b ∮u
+/// dτ`, with the displacement u and the time τ.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -50,10 +50,11 @@ pub struct EnergyBudget {
 }
 
 impl LimitCycle {
-    /// Complex amplitudes of the first n harmonics of u, dimensionless: (2/T)∮u e^(−ikωτ) dτ for
-    /// k = 1, …, n, with ω = 2π/T and time counted from [`state`](Self::state). The modulus is the
-    /// amplitude of the harmonic. Each harmonic is computed by a separate quadrature, so the cost
-    /// grows with n².
+    /// Complex amplitudes of the first n harmonics of the displacement u, dimensionless: (2/T)∮u
+    /// e^(−ikωτ) dτ for k = 1, …, n. T is the period and ω = 2π/T. The time τ is 0 at
+    /// [`state`](Self::state), the start of the period. The modulus is the amplitude of the
+    /// harmonic. The quadrature of harmonic k takes a time that grows like k, so the cost of all n
+    /// harmonics grows like n².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -95,12 +96,12 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of the velocity v, dimensionless: ikω times the
-    /// amplitudes of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency
-    /// k/T. In a cycle of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) the units are hertz
-    /// and metres per second.
+    /// amplitudes of the displacement ([`harmonics`](Self::harmonics)) for k = 1, …, n. Harmonic k
+    /// has the frequency k/T = kω/2π. In a cycle of a
+    /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) the units are hertz and metres per second.
     ///
-    /// The velocity of a cycle is continuous, but its acceleration may jump at events. In this case
-    /// the amplitudes fall off as 1/k².
+    /// The velocity of a cycle is continuous. If its acceleration jumps at events, the amplitudes
+    /// fall off as 1/k².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -122,8 +123,8 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of the acceleration, dimensionless: (ikω)² times
-    /// the amplitudes of u ([`harmonics`](Self::harmonics)), k = 1, …, n. If the acceleration jumps
-    /// at events, these amplitudes fall off only as 1/k.
+    /// the amplitudes of the displacement ([`harmonics`](Self::harmonics)) for k = 1, …, n, with ω
+    /// = 2π/T. If the acceleration jumps at events, these amplitudes fall off only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn acceleration_harmonics(&self, n: usize) -> Vec<Complex<f64>> {
@@ -138,8 +139,8 @@ impl LimitCycle {
         harmonics
     }
 
-    /// Root mean square of the velocity, √((1/T)∮v² dτ), dimensionless. (It is the usual measure of
-    /// vibration severity.)
+    /// Root mean square of the velocity v over the period T, √((1/T)∮v² dτ), dimensionless: the
+    /// usual measure of vibration severity.
     #[doc(alias = "severity")]
     pub fn rms_velocity(&self) -> f64 {
         let unit = self.unit_of_velocity();
@@ -152,8 +153,9 @@ impl LimitCycle {
     /// In dimensionless units the result equals the root mean square of the velocity; in physical
     /// units it is the natural frequency ω0 times the root mean square of the velocity. To show
     /// this, multiply the time derivative of the equation of motion by v and integrate over a
-    /// period. The result is ∮v'² = ∮v² − ∮v df with the friction force f. Here ∮v df = ∮v_r df =
-    /// 0, because f depends on v_r alone in slip, and v_r is 0 in stick.
+    /// period. The result is ∮v'² = ∮v² − ∮v df with the friction force f. With the relative
+    /// velocity v_r, ∮v df = ∮v_r df = 0, because f depends on v_r alone in slip, and v_r is 0 in
+    /// stick.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -169,7 +171,8 @@ impl LimitCycle {
         self.units.rate * self.rms_velocity()
     }
 
-    /// Largest |v'|, dimensionless, including the values on both sides of each event.
+    /// Largest size |v'| of the acceleration, dimensionless, including the values on both sides of
+    /// each event.
     pub fn peak_acceleration(&self) -> f64 {
         let mut peak = 0.0_f64;
         for step in &self.steps {

@@ -25,14 +25,14 @@
 //!
 #![doc = include_str!("../figures/bistability.svg")]
 //!
-//! *Cycles of this law over the belt velocity; dashed cycles are unstable. (a) At velocities above
-//! the Hopf point, steady sliding and stick-slip are both stable. An unstable cycle lies between
-//! them; it meets stick-slip at a grazing, where both end. (b) With more damping, stick-slip
-//! changes into pure slip, which ends in a fold.*
+//! *Cycles of the law of this program over the belt velocity; dashed cycles are unstable. (a) At
+//! velocities above the Hopf point, steady sliding and stick-slip are both stable. An unstable
+//! cycle lies between them; it meets stick-slip at a grazing, where both end. (b) With more
+//! damping, stick-slip changes into pure slip, which ends in a fold.*
 //!
 //! | question | answer |
 //! |---|---|
-//! | all limit cycles, stable and unstable | [`find`] |
+//! | all limit cycles, stable and unstable, within [stated limits](#what-is-guaranteed) | [`find`] |
 //! | the stick-slip cycle alone | [`stick_slip`] |
 //! | the attractor reached from one start, or from many | [`attractor`], [`basins`](basins()) |
 //! | period, extremes, harmonics, energies, trajectory of a cycle | [`LimitCycle`] |
@@ -40,46 +40,50 @@
 //!
 //! # Kinds of cycles
 //!
-//! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane cannot cross.
-//! For v_b > 0 every periodic motion is therefore of one of three kinds. (v_b < 0 is the mirror
-//! image. At v_b = 0 only free vibration with neither damping nor kinetic friction is periodic.)
+//! The motion of the mass is a flow in the plane of displacement u and velocity v, and trajectories
+//! in a plane cannot cross. At a belt velocity v_b > 0 every periodic motion is therefore of one of
+//! three kinds. (The motions for v_b < 0 are mirror images. At v_b = 0 only free vibration with
+//! neither damping nor kinetic friction is periodic.)
 //!
-//! * The motion **sticks**. Stick ends at the release point, so the motion is found from the one or
-//!   two slip arcs that begin at that point. This motion is stable, with multiplier 0
-//!   ([`CycleKind::StickSlip`], [`CycleKind::Overshoot`]).
+//! * The motion **sticks**. Stick ends at the release point. From this point one slip arc leads
+//!   back to stick or, if the mass overtakes the belt, two successive slip arcs do. The motion is
+//!   stable, with Floquet multiplier 0 ([`CycleKind::StickSlip`], [`CycleKind::Overshoot`]).
 //! * The motion stays **slower than the belt** and encircles the equilibrium. Its velocity maximum
 //!   is a fixed point of the map from one velocity maximum to the next ([`CycleKind::PureSlip`]).
 //! * The motion **crosses** the belt velocity twice a period and never sticks. Its downward
 //!   crossing is a fixed point of the map from one downward crossing to the next
 //!   ([`CycleKind::Crossing`]).
 //!
-//! The divergence of the flow gives the derivatives of both maps. For a cycle that never sticks,
-//! with v_r' just before and just after each crossing of the belt velocity:
+//! The divergence of the flow gives the derivatives of both maps. β is the damping ratio, γ² the
+//! friction load, and μ̂(s) the kinetic coefficient at the sliding speed s. v_r = v − v_b is the
+//! relative velocity. Its rate v_r' is taken just before and just after each crossing of the belt
+//! velocity. The Floquet multiplier of a cycle that never sticks is
 //!
 //! ```text
-//! multiplier = exp(−∮(2β + γ² dμ̂/ds) dτ) · Π v_r'(after)/v_r'(before) over its crossings.
+//! exp(−∮(2β + γ² dμ̂/ds) dτ) · Π v_r'(after)/v_r'(before)   (Π: over all crossings)
 //! ```
 //!
 //! # What is guaranteed
 //!
 //! [`stick_slip`] is complete: because trajectories cannot cross, the cases that it distinguishes
 //! are all possible cases. [`find`] searches for zeros of the growth over one period, P(x)/x − 1,
-//! for each of the two maps P. Here x is the peak velocity or, for crossing cycles, the contact
-//! force at the downward crossing. The range of x is divided until the cubic through values and
-//! slopes of the growth fits, and divided further wherever that cubic comes near zero. A pair of
-//! cycles is lost only if their values of x differ by less than 10⁻⁹ of the range, or if the growth
-//! has two extrema inside an interval in which its cubic fits to 2 %. Two kinds of cycles are not
-//! searched for: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and crossing cycles with x
-//! above 16(γ²μ_s + |v_b|). Some unstable cycles repel so strongly that a motion from the
-//! floating-point number next to the cycle is far from the cycle after one period. Double precision
-//! cannot resolve these cycles, and their ranges are reported as
+//! for each of the two maps P. x is the peak velocity or, for crossing cycles, the contact force at
+//! the downward crossing. The range of x is divided until the cubic through values and slopes of
+//! the growth fits, and divided further wherever that cubic comes near zero. A pair of cycles is
+//! lost only if their values of x differ by less than 10⁻⁹ of the range, or if the growth has two
+//! extrema inside an interval in which its cubic fits to 2 %. Two kinds of cycles are not searched
+//! for: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and crossing cycles with x above
+//! 16(γ²μ_s + |v_b|), where μ_s is the static coefficient. Some unstable cycles repel so strongly
+//! that a motion from the floating-point number next to the cycle is far from the cycle after one
+//! period. Double precision cannot resolve these cycles, and their ranges are reported as
 //! [`unresolved`](CycleSet::unresolved).
 //!
-//! A motion may change over one period by less than the rounding error (weak friction, nearly no
-//! damping, a belt far slower than γ²μ_s). The growth of such a motion is taken from the equation
-//! of [`averaging`](crate::analysis::averaging). The sign of this growth is certain if the growth
-//! exceeds the bound of the higher-order terms. Otherwise the range is also reported as unresolved.
-//! [`guarantees`](crate::guarantees#completeness) names the tests.
+//! A motion may change over one period by less than the rounding error. This happens under weak
+//! friction with nearly no damping, or on a belt whose speed is far below γ²μ_s. The growth of such
+//! a motion is taken from the equation of [`averaging`](crate::analysis::averaging). The sign of
+//! this growth is certain if the growth exceeds the bound of the higher-order terms. Otherwise the
+//! range of x is also reported as unresolved. [`guarantees`](crate::guarantees#completeness) names
+//! the tests.
 
 // | file | what is in it |
 // |---|---|

@@ -4,8 +4,8 @@ use super::continuum::Continuum;
 use super::cycle::LimitCycle;
 use crate::state::Units;
 
-/// All periodic motions of a system: the isolated cycles by ascending amplitude, a continuous
-/// family if there is one, and the unresolved ranges.
+/// The periodic motions of a system, found by [`find`](super::find): the isolated cycles by
+/// ascending amplitude, a continuous family if there is one, and the unresolved ranges.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -29,8 +29,8 @@ pub struct CycleSet {
 }
 
 impl CycleSet {
-    /// The isolated cycles, by ascending amplitude. In the plane (u, v) each cycle lies inside the
-    /// next.
+    /// The isolated cycles, by ascending amplitude. In the plane of displacement and velocity each
+    /// cycle lies inside the next.
     pub fn iter(&self) -> std::slice::Iter<'_, LimitCycle> {
         self.cycles.iter()
     }
@@ -94,18 +94,18 @@ impl CycleSet {
         self.continuum
     }
 
-    /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
-    /// the number of cycles is not resolved.
+    /// Ranges of peak velocities in which the number of cycles is not resolved. The peak velocity
+    /// is the largest velocity in the direction of the belt, dimensionless.
     ///
     /// There are three reasons:
     ///
     /// * Motions decay strongly at the lower end of the range and grow strongly at its upper end,
     ///   and the range is too narrow to be divided. It contains at least one unstable cycle,
     ///   usually one cycle in all. If there are more, stable cycles lie between unstable ones.
-    /// * Motions in the range change over one period by no more than rounding errors. Averaging
-    ///   does not show whether all of these motions decay, or all of them grow and leave the range.
-    /// * A law has thousands of waves: a search ends after 2·10⁵ steps, and the rest of its range
-    ///   is unresolved.
+    /// * Motions in the range change over one period by no more than rounding errors, and
+    ///   [`averaging`](crate::analysis::averaging) cannot exclude a cycle among them.
+    /// * The law rises and falls thousands of times. The search then ends after 2·10⁵ steps, and
+    ///   the rest of the range of peak velocities is unresolved.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

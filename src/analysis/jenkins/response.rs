@@ -8,8 +8,8 @@ use crate::error::Error;
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
-/// The periodic motion of one mass with a spring, a damper and a Jenkins element under a harmonic
-/// force, with two turning points in each period, at ±A. Exact to rounding.
+/// The periodic motion of one mass m with a spring k, a damper c and a Jenkins element of force T
+/// under a harmonic force, with two turning points in each period, at ±A. Exact to rounding.
 ///
 /// ```text
 /// m x'' + c x' + k x + T = P cos ωt,     T: spring k_t in series with a slider of the limit F_s

@@ -59,8 +59,9 @@ pub struct SpecialHopfPoint {
 impl HopfPoint {
     /// Returns whether the motion that is born at this point is stable (supercritical) or unstable
     /// (subcritical), from the sign of the first Lyapunov coefficient. If another eigenvalue has a
-    /// positive real part, the motion is unstable in both cases. If friction is constant
-    /// or linear in the sliding speed (Coulomb's law), the point is degenerate.
+    /// positive real part, the motion is unstable in both cases. The result is
+    /// [`Criticality::Degenerate`] if the coefficient is NaN, or 0 to rounding, as for contacts
+    /// with Coulomb's law.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {
@@ -96,8 +97,8 @@ const SAME: f64 = 1e-7;
 ///
 /// The search counts the unstable eigenvalues at the nodes of a grid of 65 × 65 values. It finds
 /// every curve that passes between two neighbouring nodes with different numbers of unstable
-/// eigenvalues, for any number of masses. A closed curve inside one cell, or two curves between the
-/// same nodes, can be missed.
+/// eigenvalues, for any number of masses. A closed curve inside one cell of the grid, or two curves
+/// between the same nodes, can be missed.
 ///
 /// Each curve is followed by pseudo-arclength continuation. Newton's method with a bordered matrix
 /// solves
@@ -106,9 +107,9 @@ const SAME: f64 = 1e-7;
 /// (A − iω) w = 0,    A = ∂F/∂x at steady sliding,
 /// ```
 ///
-/// where x' = F(x) are the equations of motion in slip, and w is an eigenvector. The error of the
-/// parameters and of ω is the rounding error of A, divided by the rate at which the eigenvalue
-/// crosses the axis.
+/// where x' = F(x) are the equations of motion in slip, x is the state, and w an eigenvector. The
+/// error of the parameters and of ω is the rounding error of A, divided by the rate at which the
+/// eigenvalue crosses the axis.
 ///
 /// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It is
 /// computed from the second and third derivatives of friction with respect to velocities, loads and
