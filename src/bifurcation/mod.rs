@@ -1,3 +1,14 @@
+// | file | what is in it |
+// |---|---|
+// | `along.rs` | `Along`: the family of systems, the range, the bound of the work and the watcher |
+// | `grazing.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
+// | `fold.rs` | folds of pure-slip cycles |
+// | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
+// | `hopf_locus` | curves of Hopf points of any system in two parameters: the search (`mod.rs`), the equations (`equations.rs`) |
+// | `ranges.rs` | the attractors of each range |
+// | `silence.rs` | the least damping and the largest load without vibration |
+// | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
+
 //! Bifurcations of one mass on its belt, and of steady sliding of any system: the belt velocities,
 //! loads, dampings or coefficients at which periodic motions appear, disappear or change their
 //! kind.
@@ -58,17 +69,6 @@
 //! For each velocity of a list, [`diagram`] returns the equilibrium and all cycles.
 //! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws.
 //! [`orbit::follow`](crate::orbit::follow) follows the periodic motions of any system.
-
-// | file | what is in it |
-// |---|---|
-// | `along.rs` | `Along`: the family of systems, the range, the bound of the work and the watcher |
-// | `grazing.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
-// | `fold.rs` | folds of pure-slip cycles |
-// | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
-// | `hopf_locus` | curves of Hopf points of any system in two parameters: the search (`mod.rs`), the equations (`equations.rs`) |
-// | `ranges.rs` | the attractors of each range |
-// | `silence.rs` | the least damping and the largest load without vibration |
-// | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 
 mod along;
 mod diagram;

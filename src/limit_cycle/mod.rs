@@ -1,3 +1,19 @@
+// | file | what is in it |
+// |---|---|
+// | `find.rs` | `find`, `stick_slip`: cycles of all three kinds |
+// | `basin.rs` | `attractor`, `basins`: the attractor of a start |
+// | `arc.rs` | slip arcs, up to contact or a velocity maximum |
+// | `release.rs` | the motion from the release point: cycles that stick |
+// | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/with_slopes.rs`) |
+// | `crossings.rs` | the map of downward crossings: crossing cycles |
+// | `growth.rs` | the growth of a map over one period, as a sample |
+// | `averaged.rs` | growth by averaging, if one period changes a motion by less than rounding does |
+// | `continuum.rs` | families of periodic motions |
+// | `set.rs` | `CycleSet`: the nested cycles of a system |
+// | `cycle.rs` | `LimitCycle`, `CycleKind`: arcs joined to one period |
+// | `measures.rs` | extremes, harmonics and energies (`EnergyBudget`) of a cycle |
+// | `written.rs` | serialization of cycles (feature `serde`) |
+
 //! Limit cycles of one mass on its belt, found exactly and without transients.
 //!
 //! ```
@@ -84,22 +100,6 @@
 //! this growth is certain if the growth exceeds the bound of the higher-order terms. Otherwise the
 //! range of x is also reported as unresolved. [`guarantees`](crate::guarantees#completeness) names
 //! the tests.
-
-// | file | what is in it |
-// |---|---|
-// | `find.rs` | `find`, `stick_slip`: cycles of all three kinds |
-// | `basin.rs` | `attractor`, `basins`: the attractor of a start |
-// | `arc.rs` | slip arcs, up to contact or a velocity maximum |
-// | `release.rs` | the motion from the release point: cycles that stick |
-// | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/with_slopes.rs`) |
-// | `crossings.rs` | the map of downward crossings: crossing cycles |
-// | `growth.rs` | the growth of a map over one period, as a sample |
-// | `averaged.rs` | growth by averaging, if one period changes a motion by less than rounding does |
-// | `continuum.rs` | families of periodic motions |
-// | `set.rs` | `CycleSet`: the nested cycles of a system |
-// | `cycle.rs` | `LimitCycle`, `CycleKind`: arcs joined to one period |
-// | `measures.rs` | extremes, harmonics and energies (`EnergyBudget`) of a cycle |
-// | `written.rs` | serialization of cycles (feature `serde`) |
 
 mod arc;
 mod averaged;

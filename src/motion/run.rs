@@ -1,3 +1,5 @@
+//! The limits of steps and events of one run, and the error when one is reached.
+
 use super::Integrator;
 use crate::clock::Clock;
 use crate::error::{Error, Reached};

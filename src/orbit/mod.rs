@@ -1,3 +1,42 @@
+// | file | what is in it |
+// |---|---|
+// | `form.rs` | a system without the type of its laws, for all searches |
+// | `oscillator.rs` | `Oscillator`: the systems that the searches take |
+// | `period.rs`, `trial.rs` | `Period`; one trial of a search |
+// | `translation.rs` | translations that no force depends on, up to which motions are periodic |
+// | `linear.rs` | coefficients of the variational equations along one step, as power series |
+// | `lanes.rs` | power series of several perturbations, side by side |
+// | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
+// | `saltation.rs` | saltation matrices of events: one formula for all |
+// | `map.rs` | the period map with its derivative, the monodromy matrix |
+// | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
+// | `multipliers.rs` | the eigenvalues of the monodromy matrix |
+// | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
+// | `written.rs` | serialization of the results (feature `serde`) |
+// | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
+// | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
+// | `periodic_orbit.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
+// | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
+// | `follow.rs` | `follow`: continuation of a motion over a parameter |
+// | `branch.rs` | `Branch`: the result of `follow` |
+// | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
+// | `walk.rs` | steps along the curve, and its ends |
+// | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
+// | `approach.rs` | the two sides of a change of events, brought together in few motions |
+// | `corner.rs` | branches that turn back at a change of the event sequence |
+// | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
+// | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
+// | `hold.rs` | motions with a contact held past a touch, which are smooth there |
+// | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
+// | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
+// | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
+// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), the motions (`motions.rs`) and their starts (`start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
+// | `sequence.rs` | the events of a period as a cyclic sequence |
+// | `search.rs` | `Search`: bounds of the work, and a watcher |
+// | `section.rs` | `section`, `section_at`: Poincaré sections |
+// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events (`variation.rs`) |
+// | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
+
 //! Periodic motions of any system ([`MassOnBelt`](crate::MassOnBelt) or
 //! [`Structure`](crate::Structure)), with all their Floquet multipliers. Each motion is found from
 //! a guess, a state near the motion, and is exact to rounding. The module also computes branches of
@@ -146,45 +185,6 @@
 //!
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.
-
-// | file | what is in it |
-// |---|---|
-// | `form.rs` | a system without the type of its laws, for all searches |
-// | `oscillator.rs` | `Oscillator`: the systems that the searches take |
-// | `period.rs`, `trial.rs` | `Period`; one trial of a search |
-// | `translation.rs` | translations that no force depends on, up to which motions are periodic |
-// | `linear.rs` | coefficients of the variational equations along one step, as power series |
-// | `lanes.rs` | power series of several perturbations, side by side |
-// | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
-// | `saltation.rs` | saltation matrices of events: one formula for all |
-// | `map.rs` | the period map with its derivative, the monodromy matrix |
-// | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
-// | `multipliers.rs` | the eigenvalues of the monodromy matrix |
-// | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
-// | `written.rs` | serialization of the results (feature `serde`) |
-// | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
-// | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
-// | `periodic_orbit.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
-// | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
-// | `follow.rs` | `follow`: continuation of a motion over a parameter |
-// | `branch.rs` | `Branch`: the result of `follow` |
-// | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
-// | `walk.rs` | steps along the curve, and its ends |
-// | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
-// | `approach.rs` | the two sides of a change of events, brought together in few motions |
-// | `corner.rs` | branches that turn back at a change of the event sequence |
-// | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
-// | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
-// | `hold.rs` | motions with a contact held past a touch, which are smooth there |
-// | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
-// | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
-// | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
-// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), the motions (`motions.rs`) and their starts (`start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
-// | `sequence.rs` | the events of a period as a cyclic sequence |
-// | `search.rs` | `Search`: bounds of the work, and a watcher |
-// | `section.rs` | `section`, `section_at`: Poincaré sections |
-// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events (`variation.rs`) |
-// | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
 mod approach;
 mod branch;

@@ -1,3 +1,6 @@
+//! A periodic motion as a result: which multipliers and events it lists, whether it is stable and
+//! symmetric, and that an event at its start counts once, at its end.
+
 use std::fmt;
 
 use nalgebra::Complex;

@@ -7,11 +7,11 @@
 // | `event_distance.rs` | `EventDistance`: the first time at which a quantity reaches zero, apart from known roots at the start |
 // | `minima.rs` | where a series comes close to zero |
 
-#[cfg(test)]
-mod attack;
 mod event_distance;
 mod minima;
 mod roots;
+#[cfg(test)]
+mod roots_tests;
 #[cfg(test)]
 mod tests;
 

@@ -1,3 +1,14 @@
+// | file | what is in it |
+// |---|---|
+// | `system.rs`, `matrices.rs` | `Structure`, the system for users; checks of its matrices |
+// | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
+// | `engine` | one step of a motion |
+// | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
+// | `energy.rs` | energies, work and heat |
+// | `steady.rs`, `sliding_field.rs` | steady sliding and its eigenvalues; the equations near it |
+// | `stability_changes.rs` | stability of steady sliding while drives vary slowly |
+// | `read.rs` | how structures are written and read (feature `serde`) |
+
 //! Several masses with springs, dampers and forces, and with friction on belts and between masses.
 //!
 //! ```

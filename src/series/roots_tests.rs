@@ -1,4 +1,4 @@
-//! An attack on the contact finder: polynomials with planted roots, and a judge that checks each
+//! Tests of `roots.rs`: an attack by polynomials with planted roots, and a judge that checks each
 //! answer in exact arithmetic.
 //!
 //! Every coefficient and every time is a whole number times a power of two, so big integers decide
