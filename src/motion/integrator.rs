@@ -1,5 +1,5 @@
-//! The settings of a run, and the loop that collects its steps: at a stop condition, an error or the
-//! end of the duration, whichever comes first.
+//! The settings of a run, and the loop that collects its steps: up to a stop condition, an error or
+//! the end of the duration, whichever comes first.
 
 use super::{Ended, Segment, System, SystemState, Trajectory};
 use crate::error::Error;
