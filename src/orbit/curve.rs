@@ -15,6 +15,7 @@ use super::branch::BranchEnd;
 use super::form::GeneralForm;
 use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::Oscillator;
+use super::passage::passage;
 use super::period::Period;
 use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
@@ -299,7 +300,7 @@ impl Curve<'_> {
             let mut beside = y.clone();
             beside[last] += change;
             let found = self.with(&beside, |form, period| {
-                map::passage(form, &self.start(form, &beside, modes), period)
+                passage(form, &self.start(form, &beside, modes), period)
             });
             let (end, passed) = found.ok()?;
             // From the start of the trial: what the modes impose on a start changes with the
@@ -461,7 +462,7 @@ impl Curve<'_> {
     fn residual(&self, y: &DVector<f64>, near: &Solved) -> Result<DVector<f64>, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(y, |form, period| {
-            let (end, _) = map::passage(form, &self.start(form, y, &near.modes), period)?;
+            let (end, _) = passage(form, &self.start(form, y, &near.modes), period)?;
             let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
             self.anchor(&mut start);
             Ok(near.trial.map.residual_near(&start, &end))

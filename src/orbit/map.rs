@@ -4,15 +4,16 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::form::GeneralForm;
-use super::hold::{HeldFlow, Hold, Touch};
+use super::hold::{Hold, Touch};
 use super::multipliers::multipliers;
+use super::passage::modes_after;
 use super::tangent::{TangentFlow, flow_of};
 use super::translation::{Translation, Turning, translations};
 use super::unslipped::{Unslipped, never_slips, slip_by_rounding, unslipped};
-use crate::error::{Error, Reached};
-use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
+use crate::error::Error;
+use crate::motion::{Event, Integrator, Mode, Segment};
 use crate::state::structure::State;
-use crate::structure::{Flow, Step};
+use crate::structure::Step;
 
 /// A motion over one period, closed or not, with its derivative.
 ///
@@ -663,104 +664,6 @@ pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
     let gaps = times.map(|time| (std::mem::replace(&mut last, time), time));
     let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     gap.map_or(from, |(from, to)| 0.5 * (from + to))
-}
-
-/// The state after a duration, and the modes of the contacts afterwards.
-pub(super) fn reach(
-    form: &GeneralForm<'_>,
-    start: &State,
-    duration: f64,
-) -> Result<(State, Vec<Mode>), Error> {
-    let mut reached = None;
-    let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
-    while let Some(step) = flow.next() {
-        let step = step?;
-        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
-        let is_last = step.end_time() >= duration;
-        if is_last || reached.is_none() {
-            let step = if step.end_time() > duration {
-                step.until(duration)
-            } else {
-                step
-            };
-            let modes = modes_after(&step, || flow.next())?;
-            reached = Some((step.end_state(), modes));
-        }
-        if is_last {
-            break;
-        }
-    }
-    reached.ok_or(Error::InvalidDuration { value: duration })
-}
-
-/// The steps of a motion over a duration, and its touches.
-pub(super) type StepsAndTouches = (Vec<Step>, Vec<Touch>);
-
-/// The motion over a duration from a state at a time, with contacts held.
-pub(super) fn held_steps(
-    form: &GeneralForm<'_>,
-    (time, start): (f64, &State),
-    duration: f64,
-    holds: &[Hold],
-) -> Result<StepsAndTouches, Error> {
-    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
-    let end_time = time + duration;
-    let mut steps: Vec<Step> = Vec::new();
-    let mut flow = HeldFlow::new(form, settings, time, start, holds)?;
-    while let Some(step) = flow.next() {
-        let step = step?;
-        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
-        if step.end_time() >= end_time {
-            steps.push(step.until(end_time));
-            return Ok((steps, flow.touches));
-        }
-        steps.push(step);
-    }
-    Err(Error::InvalidDuration { value: duration })
-}
-
-/// The end of a motion, and its events: contact and kind.
-type Passage = (State, Vec<(usize, EventKind)>);
-
-/// The state after a duration, and the events on the way.
-pub(super) fn passage(
-    form: &GeneralForm<'_>,
-    start: &State,
-    duration: f64,
-) -> Result<Passage, Error> {
-    let mut events = Vec::new();
-    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
-    for step in Flow::new(settings, form.model.clone(), start)? {
-        let step = step?;
-        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
-        if step.end_time() >= duration {
-            return Ok((step.until(duration).end_state(), events));
-        }
-        let own = step.events().iter().filter(|event| event.time > 0.0);
-        events.extend(own.map(|event| (event.contact, event.kind)));
-    }
-    Err(Error::InvalidDuration { value: duration })
-}
-
-/// The modes of the contacts after a step. A contact that closes sticks or slips, which the next
-/// step decides.
-fn modes_after(
-    step: &Step,
-    mut next: impl FnMut() -> Option<Result<Step, Error>>,
-) -> Result<Vec<Mode>, Error> {
-    let mut modes = step.modes().to_vec();
-    for event in step.events() {
-        modes[event.contact] = event.kind.mode();
-    }
-    let mut closing = step.events().iter();
-    if closing.any(|event| event.kind == EventKind::Close) {
-        while let Some(next) = next().transpose()? {
-            if next.duration() > 0.0 {
-                return Ok(next.modes().to_vec());
-            }
-        }
-    }
-    Ok(modes)
 }
 
 /// The directions of sticking contacts that share coordinates, as rows for states.

@@ -9,6 +9,7 @@
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
+// | `passage.rs` | motions over a duration without derivatives |
 // | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
@@ -205,6 +206,7 @@ mod map;
 mod measures;
 mod multipliers;
 mod oscillator;
+mod passage;
 mod period;
 mod periodic_orbit;
 mod ranges;

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, SVD};
 use super::form::{GeneralForm, Rhythm};
 use super::map::{self, CLOSED, state, vector};
 use super::oscillator::Oscillator;
+use super::passage::reach;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::search::Search;
@@ -414,7 +415,7 @@ fn transient_end(
         (Period::Driven(_), Rhythm::Periodic(period)) => (transient / period).ceil() * period,
         _ => transient,
     };
-    let (mut reached, modes) = map::reach(form, start, duration)?;
+    let (mut reached, modes) = reach(form, start, duration)?;
     reached = form.put_back(&reached, start);
     form.put_in_modes(&mut reached, 0.0, |c| Some(modes[c]));
     Ok(reached)

@@ -10,7 +10,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::curve::FamilyMember;
 use super::super::form::GeneralForm;
-use super::super::map::{PeriodMap, StepsAndTouches, held_period_map, held_steps, state};
+use super::super::map::{PeriodMap, held_period_map, state};
+use super::super::passage::{StepsAndTouches, held_steps};
 use super::super::period::Period;
 use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::super::sequence::Sequence;
