@@ -109,8 +109,9 @@
 //!
 //! A [`Structure`](crate::Structure) is integrated by the same method. The defect of each Taylor
 //! series of order 26 is checked, every event is an isolated root of a polynomial, and known roots
-//! at the start of slip are divided out. Errors are typed. Only contacts with stiff memory, such as
-//! bristles, are followed on the slow manifold; other stiffness shortens the (explicit) steps.
+//! at the start of slip are divided out. Errors are typed. Only the stiff memory of a slipping
+//! contact, such as bristles, is followed on the slow manifold; other stiffness shortens the
+//! (explicit) steps.
 //!
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
@@ -155,8 +156,9 @@
 //! * **One mass on a belt** has the same motion as a `MassOnBelt` and as a `Structure`, two
 //!   separate engines: `structures::two_engines::reference_motions_of_the_belt`,
 //!   `structures::two_engines::random_belts`.
-//! * **Stiff bristles.** The number of steps does not grow with the stiffness of the bristles
-//!   (tried up to σ0 = 10¹²): `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
+//! * **Stiff bristles.** The number of steps in slip does not grow with the stiffness of the
+//!   bristles (tried up to σ0 = 10¹²):
+//!   `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
 //! * **Limits of work** (numbers of steps and events) are observed:
 //!   `structures::random::limits_of_work_hold`.
 //!

@@ -10,35 +10,36 @@
 //!
 //! A struct is written as a map from the names of its fields, all in `snake_case`, to their values.
 //! An enum is written as the name of its variant in `snake_case`, alone or as the only key of a
-//! map. Fields in brackets are optional when they are read. A [`MassOnBelt`](crate::MassOnBelt)
-//! with its law and results is dimensionless. A [`Structure`](crate::Structure) with its parts and
-//! results is in its own units. [`Physical`](crate::Physical), [`Scaling`](crate::Scaling),
-//! [`Scaled`](crate::Scaled) and results of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) are
-//! in SI units, except the `damping` of a cycle, which is always the ratio β. To write a
-//! `PhysicalMassOnBelt`, write its `Physical` and its law.
+//! map. Optional fields may be missing when they are read; the default value is in parentheses. [a,
+//! b] is a list of two entries. A [`MassOnBelt`](crate::MassOnBelt) with its law and results is
+//! dimensionless. A [`Structure`](crate::Structure) with its parts and results is in its own units.
+//! [`Physical`](crate::Physical), [`Scaling`](crate::Scaling), [`Scaled`](crate::Scaled) and
+//! results of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) are in SI units, except the
+//! `damping` of a cycle, which is always the ratio β. To write a `PhysicalMassOnBelt`, write its
+//! `Physical` and its law.
 //!
 //! | type | fields | read |
 //! |---|---|---|
 //! | [`Coulomb`](crate::Coulomb) | `static_coefficient`, `kinetic_coefficient` | yes |
 //! | [`Exponential`](crate::Exponential) | `static_coefficient`, `kinetic_coefficient`, `stribeck_velocity` | yes |
 //! | [`Polynomial`](crate::Polynomial) | `static_coefficient`, `minimum_coefficient`, `minimum_velocity` | yes |
-//! | [`Stribeck`](crate::Stribeck) | `static_coefficient`, `coulomb_coefficient`, `stribeck_velocity`, `exponent`, [`viscous_coefficient` = 0] | yes |
-//! | [`Rational`](crate::Rational) | `static_coefficient`, `decay`, [`offset` = 0], [`quadratic` = 0] | yes |
-//! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; [`static_coefficient`: that of the first point] | yes |
+//! | [`Stribeck`](crate::Stribeck) | `static_coefficient`, `coulomb_coefficient`, `stribeck_velocity`, `exponent`; optional: `viscous_coefficient` (0) | yes |
+//! | [`Rational`](crate::Rational) | `static_coefficient`, `decay`; optional: `offset` (0), `quadratic` (0) | yes |
+//! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; optional: `static_coefficient` (that of the first point) | yes |
 //! | [`AnyLaw`](crate::AnyLaw) | `coulomb`, `exponential`, `polynomial`, `stribeck`, `rational` or `tabulated`, with that law | yes |
 //! | [`Dwell`](crate::Dwell) | `exponential` or `hyperbolic`, with `law`, `limit`, `time`; or `logarithmic`, with `law`, `rate`, `time` | yes |
 //! | [`Dahl`](crate::Dahl) | `coefficient`, `stiffness` | yes |
-//! | [`LuGre`](crate::LuGre) | `law`, `stiffness`, [`damping` = 0], [`viscous` = 0] | yes |
+//! | [`LuGre`](crate::LuGre) | `law`, `stiffness`; optional: `damping` (0), `viscous` (0) | yes |
 //! | [`AnyContactLaw`](crate::AnyContactLaw) | `dry`, `dwell`, `dahl` or `lugre`, with that law | yes |
 //! | [`Scaled`](crate::Scaled) | `law`, `velocity_unit` (m/s) | yes |
 //! | [`Physical`](crate::Physical) | `mass`, `stiffness`, `damping`, `normal_force`, `belt_velocity`, in SI units | yes |
-//! | [`Scaling`](crate::Scaling) | `physical`, [`length` = `normal_force`/`stiffness`] | yes |
-//! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`, [`damping` = 0], [`load` = 1] | yes |
+//! | [`Scaling`](crate::Scaling) | `physical`; optional: `length` (`normal_force`/`stiffness`) | yes |
+//! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`; optional: `damping` (0), `load` (1) | yes |
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
-//! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
-//! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
-//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, coefficient]; unless given, `coordinate` with the coefficient 1], `law`: a map from the name of the law to the law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0], [`tangential_stiffness`: of an elastic contact], [`normal_spring`: a list of [coordinate, coefficient], and the stiffness] | yes |
-//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
+//! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`; optional: `memory` (the empty list) | yes |
+//! | [`Drive`](crate::Drive) | all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value] | yes |
+//! | [`Contact`](crate::Contact) | `coordinate`; `law`: a map from the name of the law to the law, see below; `load`: a drive; optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
+//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts` (none) | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
@@ -64,7 +65,7 @@
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |
 //! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `no_system`, `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence`, `discontinuity`, `unknown` | no |
 //! | [`Sweep`](crate::orbit::Sweep) | `up`, `down`: maps `parameter`, `attractor`, `error` (in words); `stopped` | no |
-//! | [`orbit::Change`](crate::orbit::Change) | `between`: two values, `from`, `to` | no |
+//! | [`orbit::Change`](crate::orbit::Change) | `between`: a list of the two values of the parameter; `from`; `to` | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
 //! The law of a contact is written under its name: `coulomb`, `exponential`, `polynomial`,
@@ -113,6 +114,6 @@
 //! ```
 //!
 //! With the feature `float_roundtrip` of `serde_json`, every number is read back exactly. JSON has
-//! no ∞ and no NaN. No written number is NaN. Only the `max_amplitude` of a
-//! [`Continuum`](crate::limit_cycle::Continuum), and energies that overflow, can be infinite; both
-//! are written as `null`.
+//! no ∞ and no NaN; `serde_json` writes both as `null`. Three kinds of numbers can be affected: the
+//! `max_amplitude` of a [`Continuum`](crate::limit_cycle::Continuum), energies that overflow, and
+//! the `multipliers` at a [grazing that ends a branch](crate::orbit::BranchEnd::Grazing).

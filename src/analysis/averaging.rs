@@ -281,15 +281,15 @@ impl AveragedCycle {
 /// # What "all" means
 ///
 /// v_b is the belt velocity, β the damping ratio, γ² the friction load, and μ̂(s) the kinetic
-/// coefficient at the sliding speed s. Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|.
-/// (Friction supplies energy only while the velocity of the mass is between 0 and that of the belt,
-/// at sliding speeds below |v_b|. If A ≥ 2|v_b|, the mass reaches each of these sliding speeds also
-/// while it is faster than the belt. Friction then dissipates more energy than it supplies.) The
-/// search covers 0 < A < 2|v_b|. Let A_i be the amplitudes at which the largest or the least
-/// velocity of the mass is the belt velocity, or a velocity whose sliding speed is a breakpoint of
-/// the law. Between two successive A_i, A'/A is analytic in √(A² − A_i²), and is interpolated by
-/// Chebyshev polynomials to round-off. The intervals are divided until A'/A has no root or is
-/// monotone on each. No cycle is missed, except
+/// coefficient at the sliding speed s. Every averaged cycle of a law with μ̂ ≥ 0 has an amplitude A
+/// < 2|v_b|. (Friction supplies energy only while the velocity of the mass is between 0 and that of
+/// the belt, at sliding speeds below |v_b|. If A ≥ 2|v_b|, the mass reaches each of these sliding
+/// speeds also while it is faster than the belt. Friction then dissipates more energy than it
+/// supplies.) The search covers 0 < A < 2|v_b|. Let A_i be the amplitudes at which the largest or
+/// the least velocity of the mass is the belt velocity, or a velocity whose sliding speed is a
+/// breakpoint of the law. Between two successive A_i, the growth rate A'/A, with the [`drift`] A',
+/// is interpolated by Chebyshev polynomials to round-off. The intervals are divided until A'/A has
+/// no root or is monotone on each. No cycle is missed, except
 ///
 /// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than its rounding
 ///   error, at most 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)). Near folds of the exponential law a pair may be

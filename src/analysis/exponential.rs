@@ -131,9 +131,9 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
 /// Belt velocity above which no vibration lasts, dimensionless.
 ///
 /// It is ∞ if the damping ratio β is 0, and 0 if β > 0 is at least
-/// [`silencing_damping_everywhere`]. In between the result is `None`, because no formula is known:
-/// a stick-slip vibration can exist at belt velocities at which steady sliding is stable. The
-/// system's own belt velocity is ignored.
+/// [`silencing_damping_everywhere`]. In between the result is `None`: no formula is known. The
+/// larger of the [`hopf_velocities`] is not the answer, because stick-slip vibration can last where
+/// steady sliding is stable. The system's own belt velocity is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

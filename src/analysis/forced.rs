@@ -215,8 +215,8 @@ impl WithoutStops {
     }
 }
 
-/// Largest ratio of friction to force with which an undamped oscillator moves without stops, that
-/// is, without rest at its turning points. Dimensionless, exact.
+/// Largest ratio of friction to force with which an undamped oscillator moves without stops. A stop
+/// is a rest of some duration at a turning point. Dimensionless, exact.
 ///
 /// The ratio is F/p, with the symbols of [`ForcedOscillator`]; damping is ζ = 0, and static
 /// friction equals kinetic friction, F_s = F. The argument is the angular frequency Ω of the force,

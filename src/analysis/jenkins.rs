@@ -49,10 +49,10 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
 
 /// The first harmonic of the force of the element under a harmonic displacement.
 ///
-/// The displacement is x = A cos ωt, and the result is the triple (k_eq, c_eq, D). A spring of
-/// stiffness k_eq and a damper of constant c_eq in parallel have the force of the first harmonic. D
-/// is the energy dissipated in one cycle ([`loop_area`]). k_t is the stiffness and F_s the limit of
-/// the element. Any consistent units may be used.
+/// The displacement is x = A cos ωt, and the result is the triple (k_eq, c_eq, D). The force of a
+/// spring of stiffness k_eq plus that of a damper of constant c_eq is the first harmonic. D is the
+/// energy dissipated in one cycle ([`loop_area`]). k_t is the stiffness and F_s the limit of the
+/// element. Any consistent units may be used.
 ///
 /// ```text
 /// cos θ = 1 − 2F_s/(k_t A),    D = 4F_s(A − F_s/k_t)

@@ -4,8 +4,8 @@ use crate::friction::Polynomial;
 
 /// The motion to which a system with the polynomial law settles, for weak friction and damping.
 ///
-/// [`regime`] returns it from the belt velocity v_b and two limits, Eqs. 14 and 15 of Farshidianfar
-/// and Noei Aghaee. Steady sliding is unstable for |v_b| below v_b1, the
+/// [`regime`] returns it from the belt velocity v_b and two limits, which Farshidianfar and Noei
+/// Aghaee give after Eq. 15. Steady sliding is unstable for |v_b| below v_b1, the
 /// [`PureSlip::onset_velocity`], which is exact. The mass sticks for |v_b| below v_b0, the
 /// [`PureSlip::stick_velocity`], which is approximate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

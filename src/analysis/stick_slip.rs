@@ -24,13 +24,13 @@ use crate::scalar::LONGEST;
 /// ```
 ///
 /// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at ū
-/// − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε,
-/// the small parameter of [`analysis`](super), and the distance of the end from ū is larger by
-/// O(ε^{1/2}). The formulas are therefore inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T
-/// (no better than T = 2π) and O(ε^{1/2}) in the durations. For a cubic law use
-/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order). The formulas are
-/// valid for κ > 0 and, with the polynomial law, for 0 < |v_b| < v_b0
-/// ([`stick_velocity`](super::PureSlip::stick_velocity)).
+/// − κv_b, the mirror image of the release point ū + κv_b. In reality the mass gains energy of
+/// order ε, the small parameter of [`analysis`](super), and the distance of the end from ū is
+/// larger by O(ε^{1/2}). The formulas are therefore inaccurate: the errors are O(ε) in A1,
+/// O(ε^{3/2}) in T and O(ε^{1/2}) in the durations. The error of T = 2π has the same order as that
+/// of the formula for T. For a cubic law use [`first_order`](Self::first_order) and
+/// [`second_order`](Self::second_order). The formulas are valid for κ > 0 and, with the polynomial
+/// law, for 0 < |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
@@ -176,9 +176,8 @@ impl StickSlip {
     ///
     /// `None` in these cases:
     ///
-    /// * the law is not a cubic polynomial that holds from s = 0 up to the largest sliding speed of
-    ///   the cycle. For a cubic law μ_s = μ̂(0), all derivatives of μ̂ beyond the third are 0 at
-    ///   |v_b|, and no [breakpoint](FrictionLaw::breakpoints) lies below that largest speed;
+    /// * the law is not a cubic polynomial from s = 0 up to the largest sliding speed of the cycle,
+    ///   with μ_s = μ̂(0);
     /// * W1 ≤ 0, with W1 of [`StickSlipCycle`]; for the polynomial law this is |v_b| ≥ v_b0;
     /// * the mass would overtake the belt (see [`second_order`](Self::second_order));
     /// * the duration of slip would not be positive (W1 ≥ 2π²).
@@ -190,9 +189,10 @@ impl StickSlip {
     /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
     /// `None` in the cases of [`first_order`](Self::first_order), if W ≤ 0 with W of
-    /// [`StickSlipCycle`], or if the mass would overtake the belt. It does so if |v_b|θ > 2γ²μ_s,
-    /// with the duration θ of stick: the distance |v_b|θ that the mass moves in stick cannot exceed
-    /// the width 2γ²μ_s of the stick band.
+    /// [`StickSlipCycle`], or if the mass would overtake the belt. In a stick of duration θ the
+    /// mass moves by |v_b|θ, up to the release point at one end of the stick band. If |v_b|θ
+    /// exceeds the width 2γ²μ_s of this band, the mass reaches the belt velocity outside the band.
+    /// It cannot stick there, and overtakes the belt.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)
@@ -333,8 +333,7 @@ impl Cubic {
 ///
 /// β is the damping ratio, γ² the friction load, v_b the belt velocity, μ_s the static coefficient,
 /// and μ̂(s) the kinetic coefficient at the sliding speed s. u is the displacement, ū that of
-/// steady sliding, and v the velocity. An error of order n in ε shrinks like εⁿ if γ² and β are
-/// multiplied by a small ε.
+/// steady sliding, and v the velocity.
 ///
 /// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For
 /// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at s =
@@ -362,16 +361,17 @@ impl Cubic {
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
 /// ```
 ///
-/// The extremes also get terms quadratic in H1, H2, H3. The errors have the following orders in ε:
+/// The extremes also get terms quadratic in H1, H2, H3. The errors have the following orders in ε.
+/// An error of order n shrinks like εⁿ if γ² and β are multiplied by a small ε.
 ///
 /// | field | first order | second order |
 /// |---|---|---|
-/// | `z_max`, `z_min`, `u_max`, `u_min`, the extreme of v against the belt | 2 | 3 |
+/// | `z_max`, `z_min`, `u_max`, `u_min` | 2 | 3 |
 /// | `stick`, `slip` | 3/2 | 5/2 |
 /// | `period` | 2 | 3 |
 /// | `growth` | 2 | 3 |
 /// | `return_angle` | 3/2 | 2 |
-/// | the extreme of v along the belt, v_b | exact | exact |
+/// | `v_min` for v_b > 0, `v_max` for v_b < 0 | 2 | 3 |
 ///
 /// The expansion is valid if W1 is positive and small compared with 1, and if |v_b|·stick ≤ 2γ²μ_s,
 /// so that the mass sticks when it reaches the belt velocity. For the polynomial law W1 > 0 means
@@ -382,9 +382,9 @@ impl Cubic {
 /// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1 −
 /// |v_b|/v_b0. The exact duration of stick goes to zero at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0. The second-order
-/// duration is therefore too short. Its relative error is (3461/153600) q²/d, with q defined at
-/// `grazing_velocity` (it is not q0), as long as this number is small. Keep d above q², or compute
-/// the exact cycle. The errors of the extremes and of the period do not grow.
+/// duration is therefore too short. Let e = (3461/153600) q²/d, where q is that of
+/// `grazing_velocity`. If e is small, it is the relative error of this duration. Keep d above q²,
+/// or compute the exact cycle. The errors of the extremes and of the period do not grow.
 ///
 /// Source: expansion of the slip arc that begins at the release point, which replaces
 /// Eqs. 16-18 of Farshidianfar and Noei Aghaee.
@@ -424,9 +424,10 @@ pub struct StickSlipCycle {
     pub slip: f64,
     /// Period T.
     pub period: f64,
-    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is the first maximum, after the
-    /// release, of the velocity in the direction of the belt, computed without the jump of friction
-    /// at the belt velocity. During slip the mass gains the energy v_b²(W + W²/2).
+    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V belongs to a motion without
+    /// stick, in which the friction of slip slower than the belt continues beyond the belt
+    /// velocity: V is the first maximum, after the release, of the velocity in the direction of the
+    /// belt. During slip the mass gains the energy v_b²(W + W²/2).
     pub growth: f64,
     /// Return angle δ, in radians, which is q0 to first order: the phase by which the slip arc is
     /// shorter than a full period of free vibration.

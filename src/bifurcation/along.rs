@@ -68,10 +68,10 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 ///
 /// # Cost
 ///
-/// The unit of work is one step of a slip phase, which takes about a microsecond. If friction is so
-/// stiff that the power series of a step is computed several times (Newton's method), the step
-/// counts as often. An oscillation takes about ten steps, and two more for each breakpoint of the
-/// law that it passes.
+/// The unit of work is one step of a slip phase, which takes about a microsecond. If friction is
+/// stiff, Newton's method computes the power series of a step several times, and each computation
+/// counts as one step. An oscillation takes about ten steps, and two more for each breakpoint of
+/// the law that it passes.
 ///
 /// A search computes 65 systems, and some tens more for each value that is found. For each system
 /// [`hopf`](Self::hopf) takes no steps. [`grazing`](Self::grazing), [`touching`](Self::touching)

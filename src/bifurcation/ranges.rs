@@ -14,10 +14,12 @@ use crate::numerics::scan::INTERVALS;
 /// The attractors over a range of belt velocities. The result is a list of intervals. Within one
 /// interval the attractors are the same; in neighbouring intervals they differ.
 ///
-/// The range is cut at six kinds of velocities: [Hopf](super::hopf_velocities),
-/// [grazing](super::grazing_velocities), [touching](super::touching_velocities),
-/// [overshoot](super::overshoot_velocities), [crossing](super::crossing_velocities) and
-/// [fold](super::fold_velocities) velocities. It is also cut where a
+/// The range is cut at six kinds of velocities. At a [Hopf](super::hopf_velocities) velocity steady
+/// sliding changes its stability, at a [grazing](super::grazing_velocities) velocity stick-slip
+/// appears or disappears, and at a [touching](super::touching_velocities) velocity a pure-slip
+/// cycle touches the belt velocity. At an [overshoot](super::overshoot_velocities) or
+/// [crossing](super::crossing_velocities) velocity a cycle changes its kind, and at a
+/// [fold](super::fold_velocities) two cycles meet and vanish. The range is also cut where a
 /// [continuum](crate::limit_cycle::Continuum) begins or ends. Between two neighbouring cuts,
 /// [`find`](crate::limit_cycle::find) is called at three velocities. If the attractors at these
 /// velocities differ, the border between them is found by bisection, to 10⁻¹² of the velocity.
@@ -73,7 +75,7 @@ pub fn vibration_ranges<L: FrictionLaw>(
 /// at each velocity that it tries.
 ///
 /// For any other system use [`orbit::VibrationRange`](crate::orbit::VibrationRange), which also
-/// contains the reason for each border. The search for any system can miss attractors.
+/// contains the reason for each border.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

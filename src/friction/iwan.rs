@@ -163,10 +163,10 @@ impl Iwan4 {
     ///
     /// Compare the energy that the elements dissipate in a cycle with the energy D of the model. At
     /// the amplitudes e_i the elements dissipate more; the ratio of the two energies tends to a
-    /// constant as i grows. Between the e_i the ratio can be below 1. For χ = −0.1 and a grid of
-    /// 0.5 the constant is 1.068, and the least ratio between the e_i is 0.78. Cycles with an
-    /// amplitude below limit_1/k_1 dissipate nothing, so choose n such that e_1 = grid^{n−1} φ_max
-    /// is below the smallest amplitude of interest.
+    /// constant as i grows. Between e_{i−1} and e_i the ratio can be below 1; its minimum also
+    /// tends to a constant. For χ = −0.1 and a grid of 0.5 the two constants are 1.068 and 0.78.
+    /// Cycles with an amplitude below limit_1/k_1 dissipate nothing, so choose n such that e_1 =
+    /// grid^{n−1} φ_max is below the smallest amplitude of interest.
     ///
     /// # Errors
     ///

@@ -80,18 +80,28 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 ///
 /// The decision uses the geometry of the planar flow: cycles are nested, and a motion between two
 /// neighbouring cycles tends to the cycle towards which it moves. Therefore only a few slip arcs
-/// are computed, up to the first velocity maximum, the first stick, or the first crossing outside
-/// the stick band. No transient is simulated.
+/// are computed, up to the first of three points: stick, a velocity maximum V below the belt
+/// velocity, or a downward crossing of the belt velocity outside the stick band. No transient is
+/// simulated.
 ///
-/// | start | decided at | attractor |
+/// | first point | condition | attractor |
 /// |---|---|---|
-/// | any, on a belt at rest | | [`Rest`](Attractor::Rest); without damping and kinetic friction, and with an amplitude above γ²μ_s (friction load times static coefficient), [`Continuum`](Attractor::Continuum) |
-/// | in stick, or slip that ends in stick | the release point | the cycle through the release point; if there is none, the rows below decide for the motion from the release point |
-/// | slip slower than the belt, if the equilibrium is a focus | a velocity maximum V | if the motion grows over one period: the next pure-slip cycle outside or, if there is none, the attractor of the motion from the release point; otherwise the next cycle inside or, if there is none, the equilibrium or the [continuum](Attractor::Continuum) around it |
-/// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
-/// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside or, if there is none, [`Unbounded`](Attractor::Unbounded); otherwise the next crossing cycle inside or, if there is none, the attractor of the motion from the release point |
-/// | within a relative distance of 10⁻¹² from an unstable cycle (10⁻⁶ if rounding hides the growth there) | | [`Separatrix`](Attractor::Separatrix) |
-/// | a velocity maximum V in an [unresolved](CycleSet::unresolved) range, or crossings of the belt velocity with a growth over one period that rounding hides | | [`Unresolved`](Attractor::Unresolved) |
+/// | stick | the motion from the release point returns to stick | the cycle through the release point |
+/// | stick | the motion from the release point shrinks | the outermost pure-slip cycle; if there is none, the equilibrium or the [continuum](Attractor::Continuum) around it |
+/// | stick | the motion from the release point grows | the innermost crossing cycle; if there is none, [`Unbounded`](Attractor::Unbounded) |
+/// | velocity maximum V | the motion grows over one period | the next pure-slip cycle outside; if there is none, as for stick |
+/// | velocity maximum V | the motion shrinks | the next pure-slip cycle inside; if there is none, the equilibrium or the [continuum](Attractor::Continuum) around it |
+/// | velocity maximum V | V lies in an [unresolved range](CycleSet::unresolved) | [`Unresolved`](Attractor::Unresolved) |
+/// | downward crossing | the motion grows over one period | the next crossing cycle outside; if there is none, [`Unbounded`](Attractor::Unbounded) |
+/// | downward crossing | the motion shrinks | the next crossing cycle inside; if there is none, as for stick |
+/// | downward crossing | rounding hides the growth | [`Unresolved`](Attractor::Unresolved) |
+/// | none | the motion slips into a node, or starts at the equilibrium | [`Equilibrium`](Attractor::Equilibrium) |
+/// | none | the belt is at rest | [`Rest`](Attractor::Rest) |
+///
+/// There are two exceptions. A start within a relative distance of 10⁻¹² from an unstable cycle
+/// (10⁻⁶ if rounding hides the growth there) gives [`Separatrix`](Attractor::Separatrix). On a belt
+/// at rest, without damping and kinetic friction, a motion with an amplitude above γ²μ_s (friction
+/// load times static coefficient) gives [`Continuum`](Attractor::Continuum).
 ///
 /// # Errors
 ///

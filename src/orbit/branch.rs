@@ -165,9 +165,9 @@ pub enum BranchEnd {
         /// unbounded there: the first multiplier is infinite, and the others are NaN.
         parameter: f64,
     },
-    /// The motion jumps as the parameter passes this value, and the branch cannot continue. From
-    /// one instant of the period on, a contact has different modes in the motions on the two sides.
-    /// There are two cases:
+    /// The motion jumps as the parameter passes this value, and the branch cannot continue. The
+    /// motions on the two sides agree up to one instant of the period. At this instant a contact
+    /// enters different modes. There are two cases:
     ///
     /// * In stick, or at the start of stick, the force of the contact just reaches the static
     ///   limit. Beyond the parameter the contact slips at this instant. If static friction exceeds
@@ -175,7 +175,8 @@ pub enum BranchEnd {
     /// * The relative velocity of the contact just reaches 0. Beyond the parameter the relative
     ///   velocity does not reach 0.
     ///
-    /// The multipliers do not show the jump in advance.
+    /// The multipliers do not show the jump in advance. (Before a [`Grazing`](Self::Grazing), in
+    /// contrast, the first multiplier grows without bound.)
     Discontinuity {
         /// The parameter at the jump.
         parameter: f64,
@@ -192,14 +193,14 @@ pub enum BranchEnd {
     },
     /// At one instant of the period, the friction force of a contact that never slips reaches its
     /// limit. Beyond this parameter the contact slips at this instant in each period, and no slip
-    /// in the other direction compensates for this slip. The motion is then no longer periodic with
-    /// this position of the contact.
+    /// in the other direction compensates for this slip. The contact is then displaced in each
+    /// period, and the motion is not periodic.
     ///
-    /// Motions in which a contact never slips form a continuum, and the branch consists of the
-    /// motions with one position of the contact. Beyond the end of the branch the slips change the
-    /// position. If the slips become shorter and cease, the contact has reached a position of
-    /// another branch (shakedown). To find that branch, start [`settle`](super::settle) from the
-    /// last motion. Otherwise the slips continue (ratcheting).
+    /// Motions in which a contact never slips form a continuum, one motion for each position of the
+    /// contact. The branch consists of the motions with one position. Beyond the end of the branch
+    /// the slips change the position. If the slips become shorter and cease, the contact has
+    /// reached a position of another branch (shakedown). To find that branch, start
+    /// [`settle`](super::settle) from the last motion. Otherwise the slips continue (ratcheting).
     ///
     /// Source: A. Klarbring, M. Ciavarella, J. R. Barber, "Shakedown in elastic contact problems
     /// with Coulomb friction", Int. J. Solids Struct. 44 (2007) 8355.

@@ -37,8 +37,9 @@ use crate::state::structure::State;
 /// coordinate. The curve of solutions is followed by pseudo-arclength continuation: a step along
 /// the tangent, then Newton's method on a plane across the tangent. Newton's method uses the exact
 /// derivative of the period map. The order of stick and slip is not prescribed. If the events of
-/// two neighbouring motions differ, bisection brackets the change of events, down to neighbouring
-/// numbers or to the rounding error of the motions. The branch then continues beyond the change.
+/// two neighbouring motions differ, bisection locates the change of events, to adjacent
+/// floating-point numbers or to the rounding error of the motions. The branch then continues beyond
+/// the change.
 ///
 /// Let s be the arclength and μ_i the [multipliers](Orbit::multipliers), without the multiplier 1
 /// that every autonomous motion has. A test function changes its sign at a bifurcation:
@@ -52,8 +53,8 @@ use crate::state::structure::State;
 /// Each bifurcation is then refined along the arclength. Newton's method corrects every motion that
 /// is tried. Two bifurcations of the same kind within one step (at most 1/64 of the range) can be
 /// missed. In a narrower range the steps are shorter. If a system has a continuum of periodic
-/// motions, one multiplier is always 1. Newton's method then finds the motion of the continuum
-/// nearest the end of the step along the tangent.
+/// motions, one multiplier is always 1, and Newton's method finds the motion of the continuum that
+/// is nearest to its first guess.
 ///
 /// In each direction the limits are 2048 points, 50 000 motions tried, and 10⁷ integration steps of
 /// all these motions. [`Search`] sets other limits of points and steps, and accepts a watcher, a

@@ -18,8 +18,8 @@ pub struct LyapunovExponent {
     /// The exponent, per unit of time.
     pub value: f64,
     /// The standard error of the exponent, per unit of time, from the differences between 16 parts
-    /// of the duration. It is 0 if the exponent is −∞, and infinite if the steps are so long that
-    /// all growth belongs to one part.
+    /// of the duration. It is 0 if the exponent is −∞. It is infinite if one integration step
+    /// covers the whole duration.
     pub spread: f64,
 }
 
@@ -78,8 +78,8 @@ pub fn lyapunov<S: Oscillator>(
 /// become exactly zero after a finite time. (The stick phases of one mass on a belt have this
 /// effect; μ is then 0.) It is 0 if all masses stick for ever to surfaces at rest, because a
 /// perturbation of a displacement then remains. The perturbation δx is a solution of the
-/// variational equations, not a difference of motions, so no digits cancel. The search needs
-/// constant memory.
+/// variational equations, not a difference of motions, so no digits cancel. The memory needed does
+/// not grow with the duration.
 ///
 /// The cost is proportional to the duration. The standard error falls at least as fast as
 /// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit

@@ -102,9 +102,9 @@
 //! belt, `limit_cycle` and `orbit` give the same numbers.
 //!
 //! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ integration steps, which are
-//! about 10⁵ oscillations. These steps take seconds for one mass and 10 to 20 s for three masses. A
-//! call that needs more steps returns a typed error. The page of [`follow`] states the bound for a
-//! branch. [`Search`] sets other bounds. It also accepts a watcher, a function that can stop the
+//! 10⁴ to 10⁵ oscillations. These steps take seconds for one mass and 10 to 20 s for three masses.
+//! A call that needs more steps returns a typed error. The page of [`follow`] states the bound for
+//! a branch. [`Search`] sets other bounds. It also accepts a watcher, a function that can stop the
 //! search. The page of `Search` states the cost of each search.
 //!
 //! # Autonomous and forced motions

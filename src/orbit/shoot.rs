@@ -232,9 +232,10 @@ pub(super) fn shortest(
 ///
 /// # Errors
 ///
-/// * [`Error::NoCommonPeriod`] or [`Error::NotFree`] if the kind of period does not fit the drives;
-/// * [`Error::InvalidParameter`] if the number of periods is 0, or if an estimate of the period is
-///   not positive and finite;
+/// * [`Error::NoCommonPeriod`] for [`Period::Driven`], if the drives have no common period or none
+///   of them varies; [`Error::NotFree`] for [`Period::Free`], if a drive varies;
+/// * [`Error::InvalidParameter`] for `Period::Driven(0)`, and for `Period::Free` unless the
+///   estimate is positive and finite;
 /// * [`Error::AtRest`] in the search for an autonomous motion, if the guess is an equilibrium, or
 ///   if the search ends in one;
 /// * [`Error::NotPeriodic`] if Newton's method does not converge, or reaches the bound of the work.
@@ -366,7 +367,7 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMo
 ///
 /// * [`Error::InvalidDuration`] unless the transient is finite and ≥ 0;
 /// * [`Error::TooManySteps`], with the time and state reached, if the transient takes more than 10⁶
-///   steps (about 10⁵ oscillations): continue from that state;
+///   steps (10⁴ to 10⁵ oscillations): continue from that state;
 /// * the errors of [`shoot`], and those of [`Integrator::simulate`](crate::Integrator::simulate)
 ///   for the transient.
 ///

@@ -98,8 +98,10 @@ impl Contact {
     ///
     /// A constant N0 must be positive. A contact with a gap g has N = max(0, k_n (d·x − g)) for the
     /// coordinates x. To describe it, choose a position x_0 with d·x_0 > g, and use the coordinates
-    /// q = x − x_0: then N0 = k_n (d·x_0 − g). Also add the constant force −K x_0 (K: stiffness
-    /// matrix), and n·x_0 to the load of every other contact with a load gradient n.
+    /// q = x − x_0: then N0 = k_n (d·x_0 − g). The shift also changes other terms of the equations:
+    /// add the constant force −K x_0 (K: stiffness matrix), n·x_0 to the load N0 of each contact
+    /// with a load gradient n, and k_n d·x_0 to the load N0 of each other contact with a normal
+    /// spring.
     ///
     /// # Errors
     ///

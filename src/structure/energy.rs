@@ -66,8 +66,9 @@ pub struct EnergyBudget {
     /// its slider. In a contact with bristles the integral also contains the change of the energy
     /// stored in the bristles.
     pub friction_loss: Vec<f64>,
-    /// Work that the load N0(t) + n·q does on each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 for a
-    /// contact without a normal spring.
+    /// Work on each normal spring, done by the part N0(t) + n·q of its load N: ∫ N (N0' + n·v)/k_n
+    /// dt. N0(t) is the load given to the contact, and n its load gradient. 0 for a contact without
+    /// a normal spring.
     pub normal_work: Vec<f64>,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,

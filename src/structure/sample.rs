@@ -21,8 +21,8 @@ pub struct Sample {
     pub modes: Vec<Mode>,
     /// The acceleration v' of each coordinate, in units of velocity per time.
     pub accelerations: Vec<f64>,
-    /// The friction force of each contact, as in [`Structure::carried`], in units of force: λ_c, or
-    /// the force T of an elastic contact; 0 if the contact is open.
+    /// The friction force of each contact, as returned by [`Structure::carried`], in units of
+    /// force; 0 if the contact is open.
     pub friction: Vec<f64>,
     /// The normal load of each contact, in units of force; 0 if the contact is open.
     pub loads: Vec<f64>,

@@ -34,8 +34,7 @@ use crate::state::Direction;
 /// For n coordinates the eigenvalues come from the Schur form of a 2n × 2n matrix. Each memory
 /// variable adds a row and a column to this matrix. The error of an eigenvalue is about nε times
 /// the largest eigenvalue (ε = 2.2e-16). The error grows to √(nε) times the largest eigenvalue if
-/// two eigenvalues nearly coincide. The work grows as n³. It takes about a second for n = 100, and
-/// minutes for n = 1000.
+/// two eigenvalues nearly coincide. The work grows as n³.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -70,9 +69,10 @@ pub struct SteadySliding {
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
     /// memory variable. They are sorted by descending real part; if real parts are equal, by
-    /// descending imaginary part. Two kinds of memory variables have the eigenvalue −∞: the force
-    /// of an elastic contact, and a variable that is constant in slip and has no effect on slip,
-    /// such as the clock of a [`Dwell`](crate::Dwell).
+    /// descending imaginary part. Two kinds of memory variables do not influence small motions, and
+    /// get the eigenvalue −∞: the force of an elastic contact, which slip keeps at its limit, and a
+    /// variable that is constant in slip and has no effect on slip, such as the clock of a
+    /// [`Dwell`](crate::Dwell).
     pub eigenvalues: Vec<Complex<f64>>,
 }
 

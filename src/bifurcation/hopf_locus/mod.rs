@@ -49,8 +49,7 @@ pub struct HopfPoint {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SpecialHopfPoint {
-    /// The second bifurcation condition, which holds at this point in addition to that of the
-    /// curve.
+    /// The kind of special point.
     pub kind: SpecialKind,
     /// The Hopf point.
     pub point: HopfPoint,

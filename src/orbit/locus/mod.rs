@@ -56,9 +56,12 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// |---|---|---|
 /// | fold, flip, Neimark-Sacker | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier is 1 (fold) or −1 (flip), or if a pair of multipliers is exp(±iθ) |
 /// | grazing, within a branch or [at its end](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
-/// | pitchfork | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier of the half-period map G is −1 (see [`BifurcationKind::Pitchfork`]). The first equation is G(x) = x instead of P(x) = x |
-/// | change of events: a contact begins to stick where it slipped through relative velocity 0 (a stop) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
+/// | pitchfork | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier of the map G is −1 |
+/// | change of events: a contact begins to stick at an instant at which its relative velocity only passed through 0 (onset of stops) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
 /// | change of events: two contacts have events at the same time | [`Order`](LocusKind::Order) | the time between two events of two contacts |
+///
+/// For a pitchfork, G(x) = x replaces the first equation. G is the map over half a period, followed
+/// by a reflection: see [`BifurcationKind::Pitchfork`].
 ///
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
 /// is exact. The derivatives of g, and the derivatives with respect to parameters, are differences
@@ -84,8 +87,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// If the period map is smooth at a change of the events, a curve of folds, flips or Neimark-Sacker
 /// bifurcations continues beyond the change; otherwise it ends with
 /// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
-/// ends with `Jump` at every such change. On a curve of grazings, the instant of grazing can
-/// approach another event of the same contact, such as a release. The steps then become ever
+/// ends with `Jump` at every change of the events. On a curve of grazings, the instant of grazing
+/// can approach another event of the same contact, such as a release. The steps then become ever
 /// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of folds
 /// that meets a curve of grazings can end so, too, or with
 /// [`LocusEnd::Lost`](super::LocusEnd::Lost). A curve of an autonomous motion that shrinks to a
@@ -97,8 +100,9 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// * a sticking contact reaches its limit tangentially;
 /// * a load falls to 0 and opens a contact;
 /// * a drive jumps;
-/// * a stop begins at a contact that is elastic, whose direction is not a unit vector, or whose
-///   coordinate has another rigid contact or is coupled to others by the mass matrix.
+/// * a stop begins at a contact that does not have a coordinate i to itself. To have it, the
+///   contact must be rigid and be created by `Contact::new(i, ..)`. Coordinate i must have no
+///   second rigid contact, and the mass matrix must not couple it to other coordinates.
 ///
 /// If the motions at a grazing are [ends of branches](super::BranchEnd::Grazing), the derivative of
 /// the period map is unbounded there: the first multiplier is infinite, and the others are NaN.

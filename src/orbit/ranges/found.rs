@@ -28,9 +28,9 @@ pub struct VibrationRanges<S: System> {
 /// A range of a parameter of any system with the same attractors throughout; part of
 /// [`VibrationRanges`].
 ///
-/// For a mass on a belt, [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a
-/// similar type without the kinds of the borders. At the velocities that it tries, the search that
-/// returns it finds every attractor, within the [limits](crate::limit_cycle#what-is-guaranteed) of
+/// For a mass on a belt, [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges)
+/// returns a similar type without the kinds of the borders. At each velocity that this function
+/// tries, it finds every attractor, within the [limits](crate::limit_cycle#what-is-guaranteed) of
 /// `limit_cycle::find`.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -40,8 +40,7 @@ pub struct VibrationRange {
     pub parameters: Range<f64>,
     /// The kinds of all attractors that were found, one entry for each attractor. If there are two
     /// or more, the range has hysteresis: the start determines which attractor is reached. The list
-    /// is empty if no attractor was found, for example where only a motion of twice the period is
-    /// stable, and no value of the sweep lies there.
+    /// is empty if no attractor was found.
     ///
     /// [`AttractorKind::Irregular`] is entered for the whole range if the sweep found it at one
     /// value or more of the range. A long transient counts as irregular, too, for example near a

@@ -139,16 +139,15 @@ impl Sensitivities {
 /// the start itself.
 ///
 /// Derivatives continue through sticks, releases and crossings, because neighbouring motions have
-/// the same events at slightly different times. Between these two times of an event, the power
-/// series of one motion is continued beyond the event, up to the time of the event in the other
-/// motion. Both motions are then compared in the same modes, and their difference has no jump. The
-/// derivatives are difference quotients with an error of fourth order in the increment; each motion
-/// is exact to rounding. The first increment of the parameter changes the motion by about a
-/// thousandth of the motion's size. The increment is then divided by 4 again and again, as long as
-/// the derivatives from two successive increments come closer to each other. The error is about
-/// 1e-11 of the largest derivative, and below 1e-10 for all reference motions of the tests. The
-/// difference is one-sided if the family returns an error on one side of the parameter, or if the
-/// motion has other events there.
+/// the same events at slightly different times. The power series of the neighbouring motion is
+/// continued between the two times of an event. Both motions are then compared in the same modes,
+/// and their difference has no jump. The derivatives are difference quotients with an error of
+/// fourth order in the increment; each motion is exact to rounding. The first increment of the
+/// parameter changes the motion by about a thousandth of the motion's size. The increment is then
+/// divided by 4 again and again, as long as the derivatives from two successive increments come
+/// closer to each other. The error is about 1e-11 of the largest derivative, and below 1e-10 for
+/// all reference motions of the tests. The difference is one-sided if the family returns an error
+/// on one side of the parameter, or if the motion has other events there.
 ///
 /// The work is about twenty motions for each parameter.
 ///
