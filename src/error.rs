@@ -295,9 +295,9 @@ pub enum Error {
     },
 
     /// A curve was requested for a change of events that [`orbit::locus`](crate::orbit::locus)
-    /// cannot follow. That search follows grazings of a slipping contact, onsets of stops (a
-    /// contact that slips through relative velocity 0 begins to stick there), and changes of the
-    /// order of events of two contacts.
+    /// cannot follow. That search follows grazings of a slipping contact, onsets of stops, and
+    /// changes of the order of events of two contacts. (At an onset of stops a contact begins to
+    /// stick at an instant at which its relative velocity only passed through 0.)
     #[error(
         "no curve of this bifurcation can be followed: no grazing of a slipping contact, no onset \
          of a stop and no two simultaneous events are near; give a bifurcation of one of these \

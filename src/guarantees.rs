@@ -19,11 +19,10 @@
 //!    is small at a quarter, a half and three quarters of the step, at its end, and near the
 //!    minimum of the sliding speed. In a step longer than one radian the defect is also checked at
 //!    every quarter of a radian. The checks catch terms of the law that are lost in rounding at the
-//!    start of the step, such as exp(−400) in a law with a small Stribeck velocity. They find a
-//!    narrow bump exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is
-//!    at least 1/40 of the motion's velocity amplitude. Declare a
-//!    [breakpoint](crate::FrictionLaw::breakpoints) at any narrower feature. Tests:
-//!    `belt::integrator::promise_1_hidden_terms_are_not_missed`,
+//!    start of the step, such as exp(−400) in a law with a small Stribeck velocity. The checks find
+//!    a narrow bump exp(−((s − s_0)/w)²) of the law at any sliding speed s_0, if w is at least 1/40
+//!    of the motion's velocity amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints)
+//!    at any narrower feature. Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
 //!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
 //!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
 //! 2. **Zeros of v_r** are roots of the polynomial of the sliding speed. They are isolated, so that
@@ -116,8 +115,8 @@
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
 //!   `structures::random::a_simple_integrator_sees_the_same_events`.
-//! * **Stick.** A mass that sticks has the velocity of its belt in every bit, however this velocity
-//!   varies: `structures::identities::a_stuck_mass_is_carried_exactly`.
+//! * **Stick.** A mass that sticks at a rigid contact has the velocity of its belt in every bit,
+//!   however this velocity varies: `structures::identities::a_stuck_mass_is_carried_exactly`.
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.

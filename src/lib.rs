@@ -154,11 +154,12 @@
 //!   decision is unique if static and kinetic coefficients are equal; otherwise it follows [a
 //!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions must
 //!   not come to rest at the same time ([`Error::Undetermined`]).
-//! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
-//!   above its minimum) does not increase the number of steps, up to D = 2β + γ²·dμ̂/ds of about
-//!   1e20. In structures this holds only for slip on contacts with one stiff memory variable, such
-//!   as bristles (tried up to a bristle stiffness σ0 = 1e12). Other stiffness shortens the explicit
-//!   steps; extreme stiffness ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
+//! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
+//!   steep friction as in the cubic law far above its minimum) does not increase the number of
+//!   steps, up to D of about 1e20. In structures this holds only for slip on contacts with one
+//!   stiff memory variable, such as bristles (tried up to a bristle stiffness σ0 = 1e12). Other
+//!   stiffness shortens the explicit steps; extreme stiffness ends in [`Error::StepUnderflow`] or
+//!   [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the

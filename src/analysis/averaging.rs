@@ -42,7 +42,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
 /// Drift dA/dτ, with the time τ, of the amplitude A ≥ 0 of a vibration. Dimensionless.
 ///
-/// The page [`averaging`](self) has the formula. It holds for any law and any belt velocity v_b.
+/// The page [`averaging`](self) has the formula, which holds for any law and any belt velocity v_b.
 /// The error is O(ε²), with ε of [`analysis`](super).
 ///
 /// For Coulomb's law on a belt at rest, without damping, the drift is −2γ²μ_k/π, with the friction

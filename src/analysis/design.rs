@@ -33,8 +33,8 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// is ignored.
 ///
 /// With more damping, small disturbances decay. Large disturbances need not. With the exponential
-/// law a stick-slip vibration may exist although steady sliding is stable. The same holds for a law
-/// with μ_s > μ̂(0), such as Coulomb's. (μ_s is the static coefficient, and μ̂(0) the kinetic
+/// law, and with a law with μ_s > μ̂(0) such as Coulomb's, a stick-slip vibration may exist
+/// although steady sliding is stable. (μ_s is the static coefficient, and μ̂(0) the kinetic
 /// coefficient at the sliding speed 0.) With the polynomial law large disturbances decay, too, if
 /// friction is weak compared with the spring.
 ///

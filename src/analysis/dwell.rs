@@ -29,10 +29,9 @@
 //!
 //! With damping, the slip phase is a part of a damped vibration. In units of time 1/ω and length
 //! v/ω, all possible slip phases form a family with one parameter, for example the duration of
-//! slip. Each slip phase of the family fits one duration of stick θ and, because F_s depends on θ,
-//! one belt velocity v. The cycles therefore form a curve in the plane of θ and v, which is known
-//! in closed form. Along the curve v has one maximum, the fold, at which a stable and an unstable
-//! cycle meet.
+//! slip. Each slip phase of the family belongs to one duration of stick θ and to one belt velocity
+//! v. The cycles therefore form a curve in the plane of θ and v, which is known in closed form.
+//! Along the curve v has one maximum, the fold, at which a stable and an unstable cycle meet.
 //!
 //! At the lowest belt velocity of the unstable cycle, the mass reaches the belt velocity
 //! tangentially at the end of slip. Let Λ be the factor of

@@ -93,10 +93,10 @@ impl ForcedOscillator {
     /// G = (sinh a − (ζ/q) sin b)/(cosh a + cos b),    H = sin b/(Ωq(cosh a + cos b))
     /// ```
     ///
-    /// `None` if there is no such motion: because the root is not real, because the mass would turn
-    /// back between ±A, or because the spring and the harmonic force together do not exceed F_s at
-    /// ±A, so that the mass stops. `None` also if a field is out of its range, and at resonance
-    /// without damping.
+    /// `None` if the root is not real, or if the mass would turn back between ±A. `None` also if
+    /// the mass would stop at ±A, because the spring and the harmonic force together do not exceed
+    /// F_s there. At resonance without damping, and if a field is out of its range, the result is
+    /// `None`, too.
     pub fn without_stops(&self) -> Option<WithoutStops> {
         let &Self {
             damping: zeta,

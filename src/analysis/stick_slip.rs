@@ -27,10 +27,10 @@ use crate::scalar::LONGEST;
 /// − κv_b, the mirror image of the release point ū + κv_b. In reality the mass gains energy of
 /// order ε, the small parameter of [`analysis`](super), and the distance of the end from ū is
 /// larger by O(ε^{1/2}). The formulas are therefore inaccurate: the errors are O(ε) in A1,
-/// O(ε^{3/2}) in T and O(ε^{1/2}) in the durations. The error of T = 2π has the same order as that
-/// of the formula for T. For a cubic law use [`first_order`](Self::first_order) and
-/// [`second_order`](Self::second_order). The formulas are valid for κ > 0 and, with the polynomial
-/// law, for 0 < |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
+/// O(ε^{3/2}) in T and O(ε^{1/2}) in the durations. (Even T = 2π has an error O(ε^{3/2}).) For a
+/// cubic law use [`first_order`](Self::first_order) and [`second_order`](Self::second_order). The
+/// formulas are valid for κ > 0 and, with the polynomial law, for 0 < |v_b| < v_b0
+/// ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
@@ -135,8 +135,8 @@ impl StickSlip {
         self.belt_velocity.abs() * self.kappa.hypot(1.0)
     }
 
-    /// Largest speed of the mass against the belt's direction, also A1. (In the belt's direction
-    /// the largest speed is exactly |v_b|.) Dimensionless, error O(ε).
+    /// Largest speed of the mass against the belt's direction, equal to A1. (In the belt's
+    /// direction the largest speed is exactly |v_b|.) Dimensionless, error O(ε).
     ///
     /// Source: Farshidianfar and Noei Aghaee, Eq. 17.
     pub fn velocity_amplitude(&self) -> f64 {
@@ -424,10 +424,11 @@ pub struct StickSlipCycle {
     pub slip: f64,
     /// Period T.
     pub period: f64,
-    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V belongs to a motion without
-    /// stick, in which the friction of slip slower than the belt continues beyond the belt
-    /// velocity: V is the first maximum, after the release, of the velocity in the direction of the
-    /// belt. During slip the mass gains the energy v_b²(W + W²/2).
+    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is hypothetical, because the
+    /// mass sticks when it reaches the belt velocity. If it did not stick, and the same cubic gave
+    /// its friction above the belt velocity, V would be its first maximum of velocity, in the
+    /// direction of the belt, after the release. During slip the mass gains the energy v_b²(W +
+    /// W²/2).
     pub growth: f64,
     /// Return angle δ, in radians, which is q0 to first order: the phase by which the slip arc is
     /// shorter than a full period of free vibration.

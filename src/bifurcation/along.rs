@@ -13,7 +13,7 @@ use crate::limit_cycle::Tracer;
 /// The search of a family of systems along a parameter: a load, a damping, a coefficient of the
 /// law, a belt velocity, or any other number.
 ///
-/// `family` returns the system for a value of the parameter. It should be continuous in the
+/// `family` returns the system for a value of the parameter. The system should be continuous in the
 /// parameter, except at a few values. The range may contain negative values; no symmetry about 0 is
 /// assumed. The methods of [`Along`] run the searches.
 ///

@@ -51,7 +51,7 @@ pub fn diagram<L: FrictionLaw>(
 }
 
 /// The results of [`diagram`], computed by several threads, each for some of the belt velocities.
-/// The results are the same, bit for bit, and in the order of the velocities.
+/// They equal those of `diagram` bit for bit, and have the order of the velocities.
 ///
 /// Needs the feature `rayon`.
 ///

@@ -109,8 +109,8 @@ fn judged<'s>(
 /// μ̂(|v_b|)), with the static coefficient μ_s. The function tries loads below the load at which
 /// steady sliding becomes unstable, from about 10⁻⁶γ_1² to about 10⁶γ_1². If no change is found,
 /// the result is
-/// * 0 if the mass is undamped, and steady sliding is unstable or surrounded by a
-///   [`Continuum`](crate::limit_cycle::Continuum): a vibration can last with every load;
+/// * 0 for an undamped mass if vibration can last with every load: steady sliding is unstable, or a
+///   [`Continuum`](crate::limit_cycle::Continuum) surrounds it;
 /// * 0 if the mass vibrates under every load tried;
 /// * ∞ if the mass vibrates under no load tried, and steady sliding is stable under every load;
 /// * ∞ if the belt is at rest.

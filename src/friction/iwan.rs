@@ -157,9 +157,10 @@ impl Iwan4 {
     /// k_i = ∫ ρ dφ,   limit_i = ∫ φ ρ dφ    over e_{i−1} … e_i
     /// ```
     ///
-    /// The sum of the stiffnesses is K_T, and the sum of the limits is F_S, to rounding. The force
-    /// of these elements at the first loading is a polygon of tangents, which touch the
-    /// [`backbone`](Self::backbone) F of the model at all e_i. It is never below F.
+    /// The sum of the stiffnesses is K_T, and the sum of the limits is F_S, to rounding. At the
+    /// first loading, the force of these elements over the displacement is a polygon of tangents to
+    /// the [`backbone`](Self::backbone) F of the model. The polygon touches F at all e_i, and is
+    /// never below F.
     ///
     /// Compare the energy that the elements dissipate in a cycle with the energy D of the model. At
     /// the amplitudes e_i the elements dissipate more; the ratio of the two energies tends to a

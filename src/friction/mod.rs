@@ -139,9 +139,9 @@ const HIGHEST: usize = 30;
 /// # What a law must not do
 ///
 /// A law must be a pure function: the same result for the same speed, and always the same
-/// breakpoints and μ_s. It must not panic. If it returns NaN or ±∞ at a speed that the motion
-/// reaches, the motion ends in a typed error. It must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to rounding, with
-/// the static coefficient μ_s.
+/// breakpoints and μ_s. It must not panic. If the law returns NaN or ±∞ at a speed that the motion
+/// reaches, the motion ends in a typed error. The law must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to rounding,
+/// with the static coefficient μ_s.
 ///
 /// Checks of these rules:
 ///
@@ -151,7 +151,8 @@ const HIGHEST: usize = 30;
 /// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | μ_s that becomes NaN later | the next stick phase, as an error |
 /// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
-/// | a jump or kink that is not declared | usually the step: it is shortened until its series fits the law on both sides, which costs time, or it returns an error. A jump between two speeds at which steps evaluate the law is missed, and causes an error of the size of the jump |
+/// | a jump or kink that is not declared | usually the step: the step is shortened until its series fits the law on both sides, or returns an error |
+/// | an undeclared jump between two speeds at which steps evaluate the law | nothing: the motion has an error of the size of the jump |
 /// | a feature, or an interval of NaN, narrower than the distance between the speeds at which a step evaluates the law (at least four in each step) | [`check_law`] only |
 /// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions are computed with the negative coefficient, so friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one version of the law, or ends in an error |

@@ -10,8 +10,8 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 
 /// A continuous family of periodic motions, one for each amplitude in a range.
 ///
-/// On a moving belt the family fills a disc around the equilibrium. It exists if there is no
-/// damping, and friction does not depend on the speed near the sliding speed |v_b|, the speed of
+/// On a moving belt the family fills a disc around the equilibrium. The family exists if there is
+/// no damping, and friction does not depend on the speed near the sliding speed |v_b|, the speed of
 /// the belt. Constant friction, as in Coulomb's law, neither feeds nor damps a motion in slip.
 ///
 /// On a belt at rest the family exists if there is neither damping nor kinetic friction. It then

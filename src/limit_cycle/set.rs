@@ -100,7 +100,7 @@ impl CycleSet {
     /// There are three reasons:
     ///
     /// * Motions decay strongly at the lower end of the range and grow strongly at its upper end,
-    ///   and the range is too narrow to be divided. It contains at least one unstable cycle,
+    ///   and the range is too narrow to be divided. The range contains at least one unstable cycle,
     ///   usually one cycle in all. If there are more, stable cycles lie between unstable ones.
     /// * Motions in the range change over one period by no more than rounding errors, and
     ///   [`averaging`](crate::analysis::averaging) cannot exclude a cycle among them.

@@ -73,8 +73,8 @@ pub enum BifurcationKind {
     /// A motion x(t) of period T is symmetric if x(t + T/2) = c − x(t) with constant c: see
     /// [`Orbit::is_symmetric`]. Consider the map over half a period, followed by the reflection of
     /// x to c − x. At a pitchfork this map has the multiplier −1. (The multipliers of a symmetric
-    /// motion are the squares of those of this map. A simple multiplier −1 is impossible, because i
-    /// and −i are then both multipliers of this map. A symmetric motion therefore has no flip.)
+    /// motion are the squares of those of this map. A simple multiplier −1 is therefore impossible,
+    /// and a symmetric motion has no flip.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: quasi-periodic motions on a torus are born.
     NeimarkSacker,

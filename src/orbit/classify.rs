@@ -33,9 +33,9 @@ pub enum Attractor<S: System> {
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// In 1.3·10⁵ steps, or in more if a [`Search`] allows more, no periodic motion was found that
-    /// closes after at most 16 periods of the drives or, without drives, 16 returns to the section
-    /// of [`classify`]. The motion is chaotic or quasi-periodic, or a transient decays very slowly.
+    /// No periodic motion was found in 1.3·10⁵ steps (more if a [`Search`] allows more). Only
+    /// motions that close after at most 16 returns are searched; [`classify`] defines these
+    /// returns. The motion is chaotic or quasi-periodic, or a transient decays very slowly.
     /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }
@@ -135,12 +135,11 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// on an unstable periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and nine searches by
-/// [`shoot`] with at most 9·10⁴ steps each; a motion that needs more counts as irregular. If its
-/// transient is longer, as with little damping and very different frequencies, a [`Search`] with a
-/// larger bound simulates a longer motion. It also takes a watcher; its page states the cost. For
-/// one mass on a belt,
-/// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
-/// simulation.
+/// [`shoot`] with at most 9·10⁴ steps each; a motion that needs more counts as irregular. If the
+/// transient is longer, as with little damping and very different frequencies, use a [`Search`]
+/// with a larger bound. A `Search` also accepts a watcher, a function that can stop it. For one
+/// mass on a belt, [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor
+/// without simulation.
 ///
 /// # Errors
 ///

@@ -58,8 +58,9 @@ use crate::state::structure::State;
 ///
 /// In each direction the limits are 2048 points, 50 000 motions tried, and 10⁷ integration steps of
 /// all these motions. [`Search`] sets other limits of points and steps, and accepts a watcher, a
-/// function that can stop the search. Its page states the work of a branch. If a motion is lost,
-/// the branch up to this motion is returned. [`Branch::ends`] gives the reason for each end.
+/// function that can stop the search. The page of `Search` states the work of a branch. If a motion
+/// is lost, the branch up to this motion is returned. [`Branch::ends`] gives the reason for each
+/// end.
 ///
 /// A motion can jump as the parameter passes a value. If the jump is less than 1e-3 of the motion's
 /// size, and a neighbouring motion is found on the other side, the branch continues with the

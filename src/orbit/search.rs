@@ -34,8 +34,9 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
 /// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | two to three times the work of the motion alone: for three masses, about 13 s at the limit of 10⁶ steps |
-/// | [`locus`](Self::locus) | for each point, three to five steps of Newton's method with about ten motions with derivatives each; on a curve of grazings, of onsets of stops or of simultaneous events, each step takes one motion without derivative for each unknown |
-/// | [`follow`](Self::follow) | one or two motions with derivatives and some without for each point, and at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
+/// | [`locus`](Self::locus) | for each point, three to five steps of Newton's method; each step takes about ten motions with derivatives |
+/// | [`locus`](Self::locus) of grazings, onsets of stops or simultaneous events | the same steps; each takes one motion without derivative for each unknown |
+/// | [`follow`](Self::follow) | at least 65 points over the range, each with one or two motions with derivatives and some without; some tens of motions for each bifurcation; about a hundred motions for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second, and a branch of a drill string of
 /// 20 inertias about ten seconds. Ranges with many bifurcations, and motions with long periods,
@@ -121,9 +122,9 @@ impl<'w> Search<'w> {
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
     /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. In a search on one
     /// system, a single motion over a period may take a tenth of the bound, at least 10⁵ steps, but
-    /// never more than the bound. On a branch or a locus it may take 10⁵ steps. The bound does not
-    /// apply to [`begin`](Self::begin) and [`switch`](Self::switch), which compute some hundred
-    /// motions at most.
+    /// never more than the bound. On a branch or a locus, a single motion may take 10⁵ steps. The
+    /// bound does not apply to [`begin`](Self::begin) and [`switch`](Self::switch), which compute
+    /// some hundred motions at most.
     ///
     /// # Errors
     ///

@@ -239,8 +239,8 @@ pub(super) fn shortest(
 /// * [`Error::AtRest`] in the search for an autonomous motion, if the guess is an equilibrium, or
 ///   if the search ends in one;
 /// * [`Error::NotPeriodic`] if Newton's method does not converge, or reaches the bound of the work.
-///   It contains the best start tried and its residual. The bound is 10⁶ steps in total, for all
-///   motions that are tried and for the transient of [`settle`];
+///   The error contains the best start tried and its residual. The bound is 10⁶ steps in total, for
+///   all motions that are tried and for the transient of [`settle`];
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
 ///   more than 10⁵ steps over the period;
 /// * the other errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from

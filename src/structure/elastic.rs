@@ -92,9 +92,9 @@ impl Contact {
     /// d is the direction of the spring; its entries d_j are dimensionless. k_n > 0 is the
     /// stiffness, a force per displacement, and N0(t) the load that was given to the contact. The
     /// force of the spring on the structure is −d N. The contact opens when N0 + k_n d·q falls
-    /// below 0, and closes when it rises above 0 again; both are events. N is a continuous function
-    /// of q, so the contact closes without an impact. A load gradient n adds n·q inside the
-    /// maximum. The contact may be rigid or elastic.
+    /// below 0, and closes when this sum rises above 0 again; both are events. N is a continuous
+    /// function of q, so the contact closes without an impact. A load gradient n adds n·q inside
+    /// the maximum. The contact may be rigid or elastic.
     ///
     /// A constant N0 must be positive. A contact with a gap g has N = max(0, k_n (d·x − g)) for the
     /// coordinates x. To describe it, choose a position x_0 with d·x_0 > g, and use the coordinates

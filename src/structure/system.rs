@@ -43,8 +43,8 @@ use crate::friction::memory::ContactLaw;
 /// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
 ///   satisfies the equations, and the contacts follow it;
 /// * otherwise the *fastest yields first*. Let G_cc = b_cᵀM⁻¹b_c. In the first decision each
-///   contact has its static limit N μ_s as the largest force in stick and as the force in slip. Let
-///   r' be the relative accelerations that follow. Of the contacts that slip, the contact with the
+///   contact has its static limit N μ_s as the largest force in stick and as the force in slip.
+///   This decision gives relative accelerations r'. Of the contacts that slip, the contact with the
 ///   largest |r'|/(G_cc N μ_s) gets its kinetic friction instead of N μ_s. The decision is repeated
 ///   until every contact that slips has its kinetic friction. Friction that falls from its static
 ///   to its kinetic value over a small range of sliding speeds leads to this rule as the range

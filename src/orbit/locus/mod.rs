@@ -57,7 +57,7 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// | fold, flip, Neimark-Sacker | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier is 1 (fold) or −1 (flip), or if a pair of multipliers is exp(±iθ) |
 /// | grazing, within a branch or [at its end](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
 /// | pitchfork | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier of the map G is −1 |
-/// | change of events: a contact begins to stick at an instant at which its relative velocity only passed through 0 (onset of stops) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
+/// | change of events: at an instant of zero relative velocity, a contact sticks on one side of the curve and not on the other (onset of stops) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
 /// | change of events: two contacts have events at the same time | [`Order`](LocusKind::Order) | the time between two events of two contacts |
 ///
 /// For a pitchfork, G(x) = x replaces the first equation. G is the map over half a period, followed
@@ -90,7 +90,7 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// ends with `Jump` at every change of the events. On a curve of grazings, the instant of grazing
 /// can approach another event of the same contact, such as a release. The steps then become ever
 /// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of folds
-/// that meets a curve of grazings can end so, too, or with
+/// that meets a curve of grazings can end with `Crawls` or with
 /// [`LocusEnd::Lost`](super::LocusEnd::Lost). A curve of an autonomous motion that shrinks to a
 /// point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
 /// extrapolated, with an error of about 1e-8 of the ranges.
@@ -100,9 +100,11 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// * a sticking contact reaches its limit tangentially;
 /// * a load falls to 0 and opens a contact;
 /// * a drive jumps;
-/// * a stop begins at a contact that does not have a coordinate i to itself. To have it, the
-///   contact must be rigid and be created by `Contact::new(i, ..)`. Coordinate i must have no
-///   second rigid contact, and the mass matrix must not couple it to other coordinates.
+/// * a stop begins at a contact that does not have its coordinate to itself.
+///
+/// A contact has its coordinate i to itself if four conditions hold: the contact is rigid, it is
+/// created by `Contact::new(i, ..)`, coordinate i has no second rigid contact, and the mass matrix
+/// does not couple coordinate i to others.
 ///
 /// If the motions at a grazing are [ends of branches](super::BranchEnd::Grazing), the derivative of
 /// the period map is unbounded there: the first multiplier is infinite, and the others are NaN.

@@ -46,8 +46,9 @@ pub struct VibrationRange {
     /// value or more of the range. A long transient counts as irregular, too, for example near a
     /// bifurcation: an irregular motion in the list need not be another attractor. The points of
     /// [`VibrationRanges::sweep`] in the range tell how many values are irregular. To decide,
-    /// simulate one of them for longer and [`classify`](crate::orbit::classify()) its end, or
-    /// compute its exponent by [`lyapunov`](crate::orbit::lyapunov()).
+    /// simulate the motion at one of these values for longer and
+    /// [`classify`](crate::orbit::classify()) its end, or compute its
+    /// [`lyapunov`](crate::orbit::lyapunov()) exponent.
     pub attractors: Vec<AttractorKind>,
     /// What lies at the two ends of the range: the reasons why the attractors change there, or the
     /// ends of the range that was searched.

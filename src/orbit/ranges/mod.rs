@@ -107,10 +107,10 @@ impl Search<'_> {
     /// The attractors over a range of a parameter: [`vibration_ranges`], within the bounds of this
     /// search.
     ///
-    /// A search that is stopped returns what it has found so far, and
-    /// [`VibrationRanges::stopped`] says so. Attractors may be missing from its ranges, and a
-    /// motion may count twice if branches end early. The same holds for branches that end with
-    /// [`BranchEnd::Work`](super::BranchEnd::Work).
+    /// A search that is stopped returns what it has found so far, and [`VibrationRanges::stopped`]
+    /// says so. If the search is stopped, or a branch ends with
+    /// [`BranchEnd::Work`](super::BranchEnd::Work), attractors may be missing from the ranges, and
+    /// a motion may count twice.
     ///
     /// # Errors
     ///

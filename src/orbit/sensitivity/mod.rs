@@ -46,10 +46,10 @@ pub struct EventSensitivity {
 pub struct OrbitSensitivities {
     /// The derivative ∂T/∂p of the period T with respect to each parameter p.
     pub period: Vec<f64>,
-    /// The motion over one period with its derivatives. It begins between two events, at the first
-    /// of [`Sensitivities::times`]. The beginning may lie later on the orbit than [`Orbit::state`].
-    /// For an autonomous motion times are counted from the beginning, and the derivative of the
-    /// state at the beginning is normal to the flow.
+    /// The motion over one period with its derivatives. The motion begins between two events, at
+    /// the first of [`Sensitivities::times`]. The beginning may lie later on the orbit than
+    /// [`Orbit::state`]. For an autonomous motion times are counted from the beginning, and the
+    /// derivative of the state at the beginning is normal to the flow.
     pub motion: Sensitivities,
 }
 
