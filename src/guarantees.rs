@@ -61,8 +61,8 @@
 //!    `belt::hostile::every_run_ends_with_a_result_or_a_typed_error`.
 //! 9. **Stiff phases.** If friction or the damper rises so steeply with the sliding speed that the
 //!    motion creeps, a step is the power series of the slow manifold. The number of steps then does
-//!    not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8 tolerances
-//!    where they meet. Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
+//!    not grow with D, up to D of about 10²⁰. Where two of these steps meet, their states may
+//!    differ by up to 8 tolerances. Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
 //!    `belt::stiff::stiff_motions_are_those_of_an_implicit_method`.
 //!
 //! **Accuracy.** Another method computed 22 reference motions with 25 digits; events and states

@@ -56,7 +56,7 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
 /// friction force falls at the sliding speed 0. This is the limit of a vibration of infinitely high
 /// frequency.
 ///
-/// The formula holds for v > w. If it gives no such v, steady sliding is stable at every belt
+/// The formula holds for v > w. If it gives no v > w, steady sliding is stable at every belt
 /// velocity above w, and the result is `None`. `None` also if w is negative or NaN. The system's
 /// own belt velocity is ignored. For w = 0 the result is
 /// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).

@@ -37,9 +37,9 @@ pub enum Attractor {
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
     /// Not decided, because rounding errors hide whether the motion grows or shrinks over one
-    /// period. Either the motion starts in a range that is [unresolved](CycleSet::unresolved), or
-    /// it crosses the belt velocity in each period, and its relative change over one period is
-    /// within rounding errors (about 10⁻¹⁴).
+    /// period. Either a velocity maximum of the motion lies in an
+    /// [unresolved](CycleSet::unresolved) range, or the motion crosses the belt velocity in each
+    /// period and changes over one period by a part of about 10⁻¹⁴ or less.
     Unresolved,
 }
 

@@ -167,8 +167,8 @@
 //! perturbation along an eigenvector is multiplied by μ in each period.
 //!
 //! * In stick the perturbation of the velocity vanishes: if k contacts stick at the same time, at
-//!   least k multipliers are exactly 0. An exception is static friction that rises during stick: it
-//!   remembers the duration of stick, so a motion with such a contact may have no multiplier 0.
+//!   least k multipliers are exactly 0. An exception is static friction that rises during stick:
+//!   its memory variable contains the duration of stick, and the motion may have no multiplier 0.
 //! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
 //!   grows nor decays. [`Orbit::multipliers`] does not contain this multiplier.
 //! * A [translation](#motions-that-are-translated) has the multiplier 1. A velocity along e on

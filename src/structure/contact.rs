@@ -34,8 +34,8 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// A contact is open, and transmits no friction, while N is negative or stays 0. If the load
 /// depends on time alone, the contact may open and close again. A load gradient describes a normal
 /// spring that is part of the stiffness matrix. That spring would pull for N < 0, so the motion
-/// ends with [`Error::Separation`] when the contact would open. To let such a contact open and
-/// close, use [`with_normal_spring`](Self::with_normal_spring) instead.
+/// ends with [`Error::Separation`] when the contact would open. To let the contact open and close,
+/// use [`with_normal_spring`](Self::with_normal_spring) instead.
 ///
 /// A contact is either rigid or [elastic](Self::with_tangential_stiffness). An elastic contact is a
 /// spring in series with a friction slider.

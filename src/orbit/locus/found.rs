@@ -173,7 +173,7 @@ pub enum SpecialKind {
     /// A multiplier is +1, and a contact that slips reaches relative velocity 0 tangentially.
     FoldGrazing,
     /// Two conditions on the events hold at the same time. For example, two contacts reach relative
-    /// velocity 0 tangentially, or one contact does so at two instants of the period.
+    /// velocity 0 tangentially, or one contact reaches it at two instants of the period.
     DoubleGrazing,
     /// On a curve of Hopf points, the bifurcation changes from supercritical to subcritical. A
     /// curve of folds of limit cycles begins at this point.
