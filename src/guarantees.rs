@@ -115,8 +115,10 @@
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
 //!   `structures::random::a_simple_integrator_sees_the_same_events`.
-//! * **Stick.** A mass that sticks at a rigid contact has the velocity of its belt in every bit,
-//!   however this velocity varies: `structures::identities::a_stuck_mass_is_carried_exactly`.
+//! * **Stick.** A mass that sticks to a surface at a rigid contact of its own has the velocity of
+//!   the surface in every bit, however this velocity varies:
+//!   `structures::identities::a_stuck_mass_is_carried_exactly`. The velocities of masses that stick
+//!   to each other agree to rounding, and exactly at the start of each step.
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.

@@ -101,7 +101,8 @@ impl Release {
         if cycle.period().is_nan() {
             return Err(static_is_nan());
         }
-        Ok(Some(cycle))
+        // A release whose time overflows never comes.
+        Ok(cycle.period().is_finite().then_some(cycle))
     }
 
     /// The overshoot beyond the belt velocity after the first arc, in units of v_b: see

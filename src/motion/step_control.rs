@@ -135,5 +135,26 @@ pub(crate) fn reach(error: f64, c: &PowerSeries, n: usize) -> f64 {
 #[inline(always)]
 pub(crate) fn root_of_ratio(x: f64, y: f64, n: usize) -> f64 {
     const ONE: i64 = 1.0_f64.to_bits() as i64;
-    f64::from_bits((ONE + (x.to_bits() as i64 - y.to_bits() as i64) / n as i64) as u64)
+    const INFINITE: i64 = f64::INFINITY.to_bits() as i64;
+    let bits = ONE.saturating_add((x.to_bits() as i64 - y.to_bits() as i64) / n as i64);
+    f64::from_bits(bits.clamp(0, INFINITE) as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::root_of_ratio;
+
+    #[test]
+    fn roots_of_any_ratio_are_numbers() {
+        let extreme = [0.0, f64::from_bits(1), 1e-300, 1.0, 1e300, f64::MAX];
+        for n in 1..=26 {
+            for (x, y) in extreme.iter().flat_map(|x| extreme.map(|y| (*x, y))) {
+                let root = root_of_ratio(x, y, n);
+                assert!(root >= 0.0, "{x:e} {y:e} {n}: {root}");
+            }
+            let root = root_of_ratio(2.7e-11, 4.1e5, n);
+            let exact = (2.7e-11_f64 / 4.1e5).powf((n as f64).recip());
+            assert!((root / exact - 1.0).abs() < 0.07, "{n}: {root} {exact}");
+        }
+    }
 }

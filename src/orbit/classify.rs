@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 use nalgebra::DVector;
 
 use super::form::{GeneralForm, Rhythm};
+use super::map::vector;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
@@ -230,6 +231,13 @@ const NEAR: f64 = 0.05;
 /// A motion that returns to within less is periodic, stable or not: one of a continuum.
 const CLOSED: f64 = 1e-9;
 
+/// Largest difference of two motions that are one, in units of the sizes.
+const SAME: f64 = 1e-6;
+
+/// The largest apparent way over a period of a coordinate that stands still, in parts of its
+/// displacement.
+const STILL: f64 = 1e-12;
+
 /// The attractor that a motion reaches, and a state there, at the beginning of a period of the
 /// drives.
 pub(super) fn settled<S: Oscillator>(
@@ -284,13 +292,11 @@ pub(super) fn settled<S: Oscillator>(
             let found = form.within_part(OF_SEARCHES / f64::from(looks), || {
                 shoot::search(form, guess, period)
             });
-            if let Ok(found) = found
+            if let Ok((found, period)) = found.map(|found| shortest(form, found, period))
                 && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
             {
                 let state = S::general(&orbit.state());
-                let mut coordinates = 0..form.len();
-                let stands = coordinates.all(|i| orbit.velocity_extremes(i) == (0.0, 0.0));
-                let attractor = if stands {
+                let attractor = if stands(form, &orbit) {
                     at_rest(&seen.modes)
                 } else {
                     named(orbit)
@@ -301,6 +307,52 @@ pub(super) fn settled<S: Oscillator>(
         turning = seen.largest();
     }
     Ok((Attractor::Irregular, last))
+}
+
+/// The motion over its own period, if a motion of several returns repeats one of fewer: one that
+/// approaches its periodic motion from alternating sides may be nearest to itself after two returns.
+fn shortest(form: &GeneralForm<'_>, found: TrialMotion, period: Period) -> (TrialMotion, Period) {
+    for parts in (2..=MOST_RETURNS).rev() {
+        let time = found.period / parts as f64;
+        let shorter = match period {
+            Period::Driven(count) if count % parts == 0 => Period::Driven(count / parts),
+            Period::Driven(_) => continue,
+            Period::Free(_) => Period::Free(time),
+        };
+        let Some(later) = found.map.vector_at(time) else {
+            continue;
+        };
+        let start = vector(&found.map.start, form.order());
+        let apart = found.map.without_idle(later - start);
+        if apart.component_div(&found.map.sizes()).amax() > SAME {
+            continue;
+        }
+        let part = shoot::search(form, &found.map.start, shorter);
+        if let Ok(part) = part
+            && (part.period - time).abs() <= SAME * time
+        {
+            return (part, shorter);
+        }
+    }
+    (found, period)
+}
+
+/// Returns true if every coordinate stands still over a motion, up to rounding of its displacements
+/// and of the forces on it.
+fn stands<S: System>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> bool {
+    let period = orbit.period();
+    (0..form.len()).all(|i| {
+        let force = form
+            .model
+            .acceleration_by(i, |j| form.model.forces[j].size());
+        let [least, most] = orbit.extremes(i).into();
+        let size = least
+            .abs()
+            .max(most.abs())
+            .max(force.abs() * period * period);
+        let (least, most) = orbit.velocity_extremes(i);
+        least.abs().max(most.abs()) * period <= STILL * size
+    })
 }
 
 /// The largest velocity of a surface.

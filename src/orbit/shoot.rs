@@ -13,6 +13,7 @@ use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::state::structure::State;
+use crate::structure::engine::check_sizes;
 
 /// The problem of shooting: x(T) = x(0).
 #[derive(Debug)]
@@ -331,6 +332,7 @@ pub(super) fn search(
     guess: &State,
     period: Period,
 ) -> Result<TrialMotion, Error> {
+    check_sizes(&form.model, guess)?;
     let mut guess = guess.clone();
     // A guess may carry more than an elastic contact can.
     form.put_in_modes(&mut guess, 0.0, |_| None);

@@ -407,3 +407,28 @@ fn a_small_cycle_that_rounding_moves_is_found() {
         );
     }
 }
+
+/// On so slow a belt the mass sticks for longer than any number: it does not vibrate.
+#[test]
+fn a_stick_phase_whose_time_overflows_is_in_no_cycle() {
+    let law = Coulomb::new(0.6, 0.2).unwrap();
+    for v_b in [f64::from_bits(1), -f64::from_bits(1), 1e-310] {
+        let system = on_belt(&law, v_b, 0.12, 0.2);
+        assert_eq!(limit_cycle::stick_slip(&system), Ok(None));
+        let cycles = limit_cycle::find(&system).unwrap();
+        assert_eq!(cycles.len(), 0, "{v_b:e}: {cycles:?}");
+        let found = limit_cycle::attractor(&system, State::new(0.0, v_b));
+        assert!(found.is_ok(), "{found:?}");
+    }
+    let cycles = limit_cycle::find(&on_belt(
+        &Coulomb::new(0.6, 0.2).unwrap(),
+        1e-300,
+        0.12,
+        0.2,
+    ));
+    let cycles = cycles.unwrap();
+    let [cycle] = cycles.iter().collect::<Vec<_>>()[..] else {
+        panic!("{cycles:?}");
+    };
+    assert!(cycle.period().is_finite() && cycle.rms_velocity() > 0.0);
+}

@@ -70,6 +70,20 @@ fn starts_are_checked() {
         ),
         "{found:?}"
     );
+    // An elastic contact whose load depends on a coordinate that the guess lacks.
+    let joint = Contact::new(0, Coulomb::new(0.3, 0.3).unwrap(), 1.0).and_then(|joint| {
+        joint
+            .with_tangential_stiffness(5.0)?
+            .with_load_gradient(1, 0.1)
+    });
+    let pair = Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_spring(0, 1, 1.0))
+        .and_then(|s| s.with_contact(joint?.on_belt(0.2)))
+        .unwrap();
+    for guess in [State::at_rest(1), State::at_rest(1).with_memory(&[0.0])] {
+        let found = shoot(&pair, &guess, Period::Free(6.0)).map(|_| ());
+        assert!(matches!(found, Err(Error::WrongSize { .. })), "{found:?}");
+    }
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for start in [State::new(&[bad], &[0.0]), State::new(&[0.0], &[bad])] {
             let found = shoot(&driven, &start, Period::Driven(1)).map(|_| ());

@@ -5,11 +5,11 @@ use approx::assert_abs_diff_eq;
 use std::ops::ControlFlow::{Break, Continue};
 
 use stick_slip::limit_cycle::{self, Attractor as Planar};
-use stick_slip::orbit::{AttractorKind, Change, Search, classify, sweep};
+use stick_slip::orbit::{AttractorKind, Change, Period, Search, classify, settle, sweep};
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, CycleKind, Drive, Error, EventKind, Exponential, MassOnBelt, Rational,
-    Structure, bifurcation,
+    Stribeck, Structure, bifurcation,
 };
 
 use crate::common::{Random, paper, text};
@@ -326,4 +326,76 @@ fn sweeps_refuse_a_start_that_does_not_fit() {
     };
     let found = sweep(changing, &[0.12, 0.2], &State::at_rest(1)).unwrap();
     assert!(found.up[0].attractor.is_ok() && found.up[1].attractor.is_err());
+}
+
+/// A motion that approaches its periodic motion from alternating sides is nearest to itself after
+/// two periods; the attractor has one.
+#[test]
+fn a_motion_is_found_over_its_own_period() {
+    let law = Stribeck::new(0.6, 0.518, 0.39, 1)
+        .and_then(|law| law.with_viscous_coefficient(0.02))
+        .unwrap();
+    let (frequency, mass) = (2.1723346550697147, 1.4541912021794672);
+    let forced = Structure::new(&[mass])
+        .and_then(|s| s.with_ground_spring(0, 1.4817921323783971))
+        .and_then(|s| s.with_ground_damper(0, 0.2377471473980021))
+        .and_then(|s| s.with_force(0, Drive::harmonic(0.604, frequency, 0.6485)?))
+        .and_then(|s| {
+            let load = Drive::constant(1.0188).with_harmonic(0.5094, frequency, 1.0)?;
+            s.with_contact(Contact::new(0, law, load)?.on_belt(0.34421046638054836))
+        })
+        .unwrap();
+    let one = settle(&forced, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+    assert!(one.multipliers()[0].re < -0.7, "{one:?}");
+    for i in 0..8 {
+        let start = State::new(&[0.5 * f64::from(i) - 2.0], &[0.3]);
+        let found = classify(&forced, &start).unwrap();
+        let found = found.orbit().unwrap();
+        assert_eq!(found.kind(), Period::Driven(1), "{start:?}");
+        let apart = found.multipliers()[0] - one.multipliers()[0];
+        assert!(apart.norm() < 1e-11, "{start:?}: {apart}");
+    }
+    // Free motions: the two blocks of the page of `classify`.
+    for belt in [0.34, 0.36, 0.38, 0.52, 0.54] {
+        let mut blocks = Structure::new(&[1.0, 1.0])
+            .and_then(|s| s.with_spring(0, 1, 1.2))
+            .unwrap();
+        for (i, load) in [(0, 1.0), (1, 1.3)] {
+            blocks = blocks
+                .with_ground_spring(i, 1.0)
+                .and_then(|s| s.with_ground_damper(i, 0.1))
+                .and_then(|s| {
+                    let contact = Contact::new(i, Rational::new(1.0, 3.0)?, load)?;
+                    s.with_contact(contact.on_belt(belt))
+                })
+                .unwrap();
+        }
+        let start = State::new(&[0.7, 0.0], &[0.2, -0.2]);
+        let found = classify(&blocks, &start).unwrap();
+        let orbit = found.orbit().unwrap();
+        let half = orbit.trajectory().state_at(0.5 * orbit.period()).unwrap();
+        let apart = (half.velocities[0] - orbit.state().velocities[0]).abs()
+            + (half.displacements[1] - orbit.state().displacements[1]).abs();
+        assert!(apart > 1e-3, "{belt}: period {}", orbit.period());
+    }
+}
+
+/// Masses that dry contacts hold stand still, although a force varies: rounding moves them by less
+/// than 1e-16.
+#[test]
+fn what_contacts_hold_is_at_rest() {
+    let law = Exponential::new(0.64, 0.35, 0.84).unwrap();
+    let held = Structure::new(&[1.8, 0.7])
+        .and_then(|s| s.with_ground_spring(0, 0.9)?.with_ground_spring(1, 1.7))
+        .and_then(|s| s.with_spring(0, 1, 1.6)?.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_ground_damper(1, 0.2))
+        .and_then(|s| s.with_force(0, Drive::harmonic(0.2, 0.9, 0.0)?))
+        .and_then(|s| s.with_force(1, 0.43 * 0.97))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 0.55)?))
+        .and_then(|s| s.with_contact(Contact::between(0, 1, Coulomb::new(0.44, 0.44)?, 1.3)?))
+        .unwrap();
+    for (q, v) in [(0.3, 0.1), (-0.2, 0.0), (0.5, 0.5), (0.0, -0.4)] {
+        let found = classify(&held, &State::new(&[q, 0.1], &[v, 0.2])).unwrap();
+        assert_eq!(found.kind(), AttractorKind::Rest, "{q} {v}: {found:?}");
+    }
 }

@@ -11,23 +11,7 @@ pub(in crate::structure) fn check_start(
     time: f64,
     start: &State,
 ) -> Result<(), Error> {
-    let n = model.len();
-    let memory = model.remembered();
-    let sizes = [
-        ("displacements", start.displacements.len(), n),
-        ("velocities", start.velocities.len(), n),
-    ];
-    let remembered = start.memory.len();
-    let memory = (remembered > 0).then_some(("memory", remembered, memory));
-    for (name, found, expected) in sizes.into_iter().chain(memory) {
-        if found != expected {
-            return Err(Error::WrongSize {
-                name,
-                found,
-                expected,
-            });
-        }
-    }
+    check_sizes(model, start)?;
     let coordinates = std::iter::zip(&start.displacements, &start.velocities);
     for (&displacement, &velocity) in coordinates {
         if !(displacement.is_finite() && velocity.is_finite()) {
@@ -40,7 +24,7 @@ pub(in crate::structure) fn check_start(
     for &value in &start.memory {
         Error::check("Structure", "memory", value, true, "any size")?;
     }
-    if remembered > 0 {
+    if !start.memory.is_empty() {
         for (c, contact) in model.contacts.iter().enumerate() {
             if contact.is_elastic() {
                 check_carried(c, contact, time, start, start.memory[model.memory(c).start])?;
@@ -58,6 +42,28 @@ pub(in crate::structure) fn check_start(
                     allowed,
                 )?;
             }
+        }
+    }
+    Ok(())
+}
+
+/// Checks the sizes of a start.
+pub(crate) fn check_sizes(model: &Model<'_>, start: &State) -> Result<(), Error> {
+    let n = model.len();
+    let memory = model.remembered();
+    let sizes = [
+        ("displacements", start.displacements.len(), n),
+        ("velocities", start.velocities.len(), n),
+    ];
+    let remembered = start.memory.len();
+    let memory = (remembered > 0).then_some(("memory", remembered, memory));
+    for (name, found, expected) in sizes.into_iter().chain(memory) {
+        if found != expected {
+            return Err(Error::WrongSize {
+                name,
+                found,
+                expected,
+            });
         }
     }
     Ok(())

@@ -56,6 +56,7 @@ mod transitions;
 
 use std::sync::Arc;
 
+pub(crate) use check_start::check_sizes;
 pub(super) use check_start::check_start;
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
