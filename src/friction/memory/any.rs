@@ -91,6 +91,18 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
         }
     }
 
+    #[inline]
+    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> (S, [S; 1]) {
+        match self {
+            Self::Dahl(law) => law.coefficient_and_rates(slip, memory),
+            Self::LuGre(law) => law.coefficient_and_rates(slip, memory),
+            Self::Dry(_) | Self::Dwell(_) => {
+                let coefficient = self.coefficient(slip, memory);
+                (coefficient, self.rates(Motion::Slip(slip), memory))
+            }
+        }
+    }
+
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         let law = match self {
             Self::Dry(law) => Some(law),

@@ -115,6 +115,17 @@ impl<L: FrictionLaw> LuGre<L> {
         let part = z * self.stiffness / largest;
         (-part + slip.direction) * slip.speed
     }
+
+    /// μ; z' is needed only if the bristles are damped.
+    #[inline(always)]
+    fn friction<S: Scalar>(&self, slip: Slip<S>, z: S, rate: impl FnOnce() -> S) -> S {
+        let elastic = z * self.stiffness + slip.velocity() * self.viscous;
+        if self.damping == 0.0 {
+            elastic
+        } else {
+            elastic + rate() * self.damping
+        }
+    }
 }
 
 impl<L: FrictionLaw> ContactLaw for LuGre<L> {
@@ -122,12 +133,7 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
 
     #[inline]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
-        let elastic = z * self.stiffness + slip.velocity() * self.viscous;
-        if self.damping == 0.0 {
-            elastic
-        } else {
-            elastic + self.rate(slip, z) * self.damping
-        }
+        self.friction(slip, z, || self.rate(slip, z))
     }
 
     fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
@@ -140,6 +146,12 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
             Motion::Stick => [z.constant(0.0)],
             Motion::Slip(slip) => [self.rate(slip, z)],
         }
+    }
+
+    #[inline]
+    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> (S, [S; 1]) {
+        let rate = self.rate(slip, z);
+        (self.friction(slip, z, || rate), [rate])
     }
 
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
@@ -245,6 +257,11 @@ impl ContactLaw for Dahl {
     #[inline]
     fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; 1]) -> [S; 1] {
         self.0.rates(motion, memory)
+    }
+
+    #[inline]
+    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> (S, [S; 1]) {
+        self.0.coefficient_and_rates(slip, memory)
     }
 
     fn breakpoints(&self) -> impl Iterator<Item = f64> {

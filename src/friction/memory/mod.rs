@@ -201,6 +201,18 @@ pub trait ContactLaw: Sized {
     /// event. The state stored in the event contains the memory just before the event.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
+    /// The coefficient and the rates in slip, for laws in which both have operations in common.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn coefficient_and_rates<S: Scalar>(
+        &self,
+        slip: Slip<S>,
+        memory: Self::Memory<S>,
+    ) -> (S, Self::Memory<S>) {
+        let coefficient = self.coefficient(slip, memory);
+        (coefficient, self.rates(Motion::Slip(slip), memory))
+    }
+
     /// The law as one of the laws of this crate, for serialization and comparison; `None` for a
     /// user's law.
     #[doc(hidden)]

@@ -214,8 +214,8 @@ impl<L: ContactLaw> LawObject for L {
                 piece: slip.piece,
             };
             let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(series[j][k]));
-            let coefficient = ContactLaw::coefficient(self, slip, memory) * slip.direction;
-            let found = ContactLaw::rates(self, Motion::Slip(slip), memory);
+            let (coefficient, found) = self.coefficient_and_rates(slip, memory);
+            let coefficient = coefficient * slip.direction;
             for (rate, found) in std::iter::zip(&mut **rates, found.as_ref()) {
                 *rate = found.coefficient();
             }
@@ -266,10 +266,10 @@ impl<L: ContactLaw> LawObject for L {
                             direction: slip.direction,
                             piece: slip.piece,
                         };
-                        let coefficient = ContactLaw::coefficient(self, slip, memory);
+                        let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
                         found.coefficient[k] = coefficient.value.coefficient();
                         found.slope[k] = tangent(coefficient, k);
-                        ContactLaw::rates(self, Motion::Slip(slip), memory)
+                        rates
                     }
                     Motion::Stick => {
                         let zero = Dual::along(run.input(0.0), 0.0);
