@@ -15,7 +15,7 @@ use super::branch::BranchEnd;
 use super::form::GeneralForm;
 use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::Oscillator;
-use super::passage::passage;
+use super::passage::{is_inside, passage};
 use super::period::Period;
 use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
@@ -293,7 +293,7 @@ impl Curve<'_> {
         let last = self.unknowns() - 1;
         let steps = trial.map.steps.iter().flat_map(Segment::events);
         let events: Vec<_> = steps
-            .filter(|event| event.time > 0.0)
+            .filter(|event| is_inside(event.time, trial.period))
             .map(|event| (event.contact, event.kind))
             .collect();
         let miss = |change: f64| {
@@ -357,6 +357,14 @@ impl Curve<'_> {
             let unit = scale[self.n + turning.coordinate];
             for (j, factor) in turning.entries(self.n) {
                 matrix[(order, j)] = factor * (scale[j] / unit);
+            }
+        }
+        // Before M − 1 cancels, the terms of a row are as large as that of the 1. In a continuum a
+        // row cancels to rounding: enlarged to size 1 it would be an equation between errors.
+        for i in 0..order {
+            let mut row = matrix.row_mut(i);
+            if row.amax() <= SINGULAR * (scale[i] / sizes[i]) {
+                row.fill(0.0);
             }
         }
         self.turn_in(&mut right, y, scale);

@@ -64,6 +64,14 @@ pub(super) fn held_steps(
 /// The end of a motion, and its events: contact and kind.
 type Passage = (State, Vec<(usize, EventKind)>);
 
+/// Returns true unless an event is so near to the start or the end of a motion that rounding may
+/// decide on which side it lies.
+pub(super) fn is_inside(time: f64, duration: f64) -> bool {
+    /// Part of the duration.
+    const NEAR: f64 = 1e-9;
+    (NEAR * duration..(1.0 - NEAR) * duration).contains(&time)
+}
+
 /// The state after a duration, and the events on the way.
 pub(super) fn passage(
     form: &GeneralForm<'_>,
@@ -78,7 +86,8 @@ pub(super) fn passage(
         if step.end_time() >= duration {
             return Ok((step.until(duration).end_state(), events));
         }
-        let own = step.events().iter().filter(|event| event.time > 0.0);
+        let own = step.events().iter();
+        let own = own.filter(|event| is_inside(event.time, duration));
         events.extend(own.map(|event| (event.contact, event.kind)));
     }
     Err(Error::InvalidDuration { value: duration })
