@@ -20,7 +20,7 @@
 use super::model::Belt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::slip::{Expander, Expansion, SlipPoint, SlipSeries};
+use crate::friction::slip::{Expander, Expansion, Known, SlipPoint, SlipSeries};
 use crate::motion::step_control::Allowance;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -75,7 +75,7 @@ impl SlipSeries {
                 equation: &equation,
                 from,
                 time,
-                along: Some(c),
+                known: Known::Speed(c),
             })?;
             Ok(expander.series)
         };

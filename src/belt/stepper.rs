@@ -6,7 +6,7 @@ use super::breakpoints::Breakpoints;
 use super::model::Belt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
-use crate::friction::slip::{Expander, Expansion, SlipPoint};
+use crate::friction::slip::{Expander, Expansion, Known, SlipPoint};
 use crate::motion::step_control::{self, Allowance, Attempt, FARTHEST, LONG, SETTLING, STIFF};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
@@ -151,7 +151,7 @@ impl Stepper {
             equation: &system.equation(point.direction),
             from: point,
             time,
-            along: None,
+            known: Known::Nothing,
         };
         let expanded = system.law().expand_slip(expansion);
         expanded.map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))

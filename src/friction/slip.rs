@@ -86,21 +86,21 @@ impl Expander {
         equation: &Equation,
         from: &SlipPoint,
         time: Time,
-        along: Option<&PowerSeries>,
+        known: Known<'_>,
     ) -> Result<(), Error> {
         let Piece { law, index } = piece;
-        let mut work = (self, index, equation, from, time, along);
+        let mut work = (self, index, equation, from, time, known);
         fused::compute(
             law,
             &mut work,
             #[inline(always)]
-            |law, (expander, index, equation, from, time, along)| {
+            |law, (expander, index, equation, from, time, known)| {
                 let piece = Piece { law, index: *index };
-                expander.expand_by::<_, true>(piece, equation, from, *time, *along)
+                expander.expand_by::<_, true>(piece, equation, from, *time, *known)
             },
-            |law, (expander, index, equation, from, time, along)| {
+            |law, (expander, index, equation, from, time, known)| {
                 let piece = Piece { law, index: *index };
-                expander.expand_by::<_, false>(piece, equation, from, *time, *along)
+                expander.expand_by::<_, false>(piece, equation, from, *time, *known)
             },
         )
     }
@@ -113,7 +113,7 @@ impl Expander {
         equation: &Equation,
         from: &SlipPoint,
         time: Time,
-        along: Option<&PowerSeries>,
+        known: Known<'_>,
     ) -> Result<(), Error> {
         let mul_add = |a, b, c| {
             if UNROLLED {
@@ -141,6 +141,10 @@ impl Expander {
             slope: stored_slope,
         } = series;
 
+        let along = match known {
+            Known::Speed(along) => Some(along),
+            Known::Nothing | Known::Force(_) => None,
+        };
         let s0 = along.map_or(from.speed, |along| along[0]);
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and
         // m_k = slope·s_k + scale·rest. The rest is put in last, because it is ready last: s_{k−1}
@@ -161,15 +165,17 @@ impl Expander {
                 return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
-            if let Some(along) = along {
-                return along[k + 1];
-            }
             // x_1 = s_0 + σv_b
-            let spring = if k == 1 {
+            let mut spring = if k == 1 {
                 weight * (stiffness * older + drift)
             } else {
                 weight * INTEGRAL[k - 1] * (stiffness * older)
             };
+            match known {
+                Known::Nothing => {}
+                Known::Force(force) => spring = mul_add(-weight, force[k], spring),
+                Known::Speed(along) => return along[k + 1],
+            }
             older = s;
             let next = mul_add(weight * decay, s, spring);
             let next = mul_add(weight * load * m.scale, m.rest, next);
@@ -234,9 +240,18 @@ pub(crate) struct Expansion<'a> {
     pub(crate) equation: &'a Equation,
     pub(crate) from: &'a SlipPoint,
     pub(crate) time: Time,
-    /// If a series of the sliding speed is given, in any unit of time, only the friction is
-    /// expanded.
-    pub(crate) along: Option<&'a PowerSeries>,
+    pub(crate) known: Known<'a>,
+}
+
+/// A series that an expansion is given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Known<'a> {
+    Nothing,
+    /// The sliding speed, in any unit of time: only the friction is expanded.
+    Speed(&'a PowerSeries),
+    /// A force, added to s', in the forward direction of time. Its value at the start is in the
+    /// equation.
+    Force(&'a PowerSeries),
 }
 
 impl LawVisitor for Expansion<'_> {
@@ -253,10 +268,10 @@ impl LawVisitor for Expansion<'_> {
             equation,
             from,
             time,
-            along,
+            known,
             ..
         } = self;
-        expander.expand_one(piece, equation, from, time, along)
+        expander.expand_one(piece, equation, from, time, known)
     }
 }
 

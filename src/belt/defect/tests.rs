@@ -3,7 +3,7 @@ use std::cell::Cell;
 use super::super::system::MassOnBelt;
 use super::*;
 use crate::clock::Time;
-use crate::friction::slip::{Expander, Expansion, SlipPoint};
+use crate::friction::slip::{Expander, Expansion, Known, SlipPoint};
 use crate::friction::{FrictionLaw, Polynomial as Cubic};
 use crate::scalar::Scalar;
 use crate::series::{PowerSeries, quarters};
@@ -130,7 +130,7 @@ fn terms_of_the_equation_of_motion_are_added_by_size() {
         equation: &system.equation(from.direction),
         from: &from,
         time,
-        along: None,
+        known: Known::Nothing,
     };
     system.law().expand_slip(expansion).unwrap();
     let series = expander.series;

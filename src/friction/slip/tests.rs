@@ -27,10 +27,11 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
             speed,
             rate,
         };
-        for (time, along) in [
-            (Time::Forward, None),
-            (Time::Backward, None),
-            (Time::Forward, Some(&slow)),
+        for (time, known) in [
+            (Time::Forward, Known::Nothing),
+            (Time::Backward, Known::Nothing),
+            (Time::Forward, Known::Speed(&slow)),
+            (Time::Forward, Known::Force(&slow)),
         ] {
             let equation = Equation {
                 stiffness: 1.25,
@@ -48,13 +49,13 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
                 equation: &equation,
                 from: &from,
                 time,
-                along,
+                known,
             };
             law.give_to(expansion).unwrap();
             unrolled
-                .expand_by::<_, true>(piece, &equation, &from, time, along)
+                .expand_by::<_, true>(piece, &equation, &from, time, known)
                 .unwrap();
-            jets.expand_by::<_, false>(piece, &equation, &from, time, along)
+            jets.expand_by::<_, false>(piece, &equation, &from, time, known)
                 .unwrap();
             look([dispatched, unrolled, jets].map(|expander| expander.series));
         }
@@ -143,8 +144,8 @@ fn both_ways_refuse_a_law_that_gives_no_number() {
         let mut expander = Expander::new();
         let time = Time::Forward;
         for error in [
-            expander.expand_by::<_, true>(piece, &equation, &from, time, None),
-            expander.expand_by::<_, false>(piece, &equation, &from, time, None),
+            expander.expand_by::<_, true>(piece, &equation, &from, time, Known::Nothing),
+            expander.expand_by::<_, false>(piece, &equation, &from, time, Known::Nothing),
         ] {
             match error.unwrap_err() {
                 Error::NotAnalytic { .. } => assert!(is_number),

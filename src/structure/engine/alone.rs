@@ -1,5 +1,5 @@
 //! The series of a coordinate that slips while all other coordinates are held at constant
-//! velocities. Its equation is that of a mass on a belt with a given force, so its series is
+//! velocities. Its equation is that of a mass on a belt under given forces, so its series is
 //! computed by the same code.
 
 use super::ALL;
@@ -7,7 +7,7 @@ use super::edge::side_of;
 use super::model::Model;
 use super::series::{CoordinateSeries, Role, Series, StepMode};
 use crate::clock::Time;
-use crate::friction::slip::{Equation, Expansion, SlipPoint};
+use crate::friction::slip::{Equation, Expansion, Known, SlipPoint};
 use crate::series::{INTEGRAL, PowerSeries};
 
 /// All orders of the coordinate and the contact that slip alone, and all after the first of those
@@ -33,14 +33,29 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let braking = dampers.iter();
     let braking = braking.map(|&(j, a)| a * coordinates[j].motion.velocity(0));
     let held = pull(springs, coordinates, 0) + braking.sum::<f64>();
+    let (force, surface) = (&coordinates[i].force, &contacts[c].surface);
     let equation = Equation {
         stiffness: spring,
         damping,
         load: contacts[c].load[0],
-        belt: side * contacts[c].surface[0],
-        pull: side * (held - coordinates[i].force[0]),
+        belt: side * surface[0],
+        pull: side * (held - (force[0] - surface[1])),
         drift: side * pull(springs, coordinates, 1),
     };
+    // With v = σy + w: f − w' − dw, and the force of the spring on the way of w after order 1.
+    let given = model.is_driven[i].then(|| {
+        let mut given = PowerSeries::ZERO;
+        for k in 1..ALL {
+            let way = if k > 1 {
+                surface[k - 1] * INTEGRAL[k - 1]
+            } else {
+                0.0
+            };
+            let inertia = (k + 1) as f64 * surface[k + 1];
+            given[k] = side * (force[k] - inertia - damping * surface[k] - spring * way);
+        }
+        given
+    });
     let from = SlipPoint {
         direction: side_of(side),
         displacement: coordinates[i].motion.displacement(0),
@@ -53,7 +68,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         equation: &equation,
         from: &from,
         time: Time::Forward,
-        along: None,
+        known: given.as_ref().map_or(Known::Nothing, Known::Force),
     });
     if expanded.is_err() {
         return false;
@@ -66,12 +81,22 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         *series = PowerSeries::ZERO;
         series[0] = memory;
     }
-    coordinates[i].motion.follow(side, &found.speed);
+    if given.is_some() {
+        // Without springs, the time in which it changes is the unit of time.
+        for k in 1..ALL {
+            let moved = (k + 1) as f64 * found.speed[k + 1];
+            of.carried[k] = side * (moved + of.load[0] * found.friction[k]);
+        }
+    }
+    coordinates[i]
+        .motion
+        .follow(side, &found.speed, &of.surface);
     for j in 0..model.len() {
-        let Role::Held(c) = coordinates[j].role else {
+        let Role::Held(held_by) = coordinates[j].role else {
             continue;
         };
-        let carried = &mut contacts[c].carried;
+        let surface = contacts[c].surface;
+        let carried = &mut contacts[held_by].carried;
         let entry = |(_, beside): (f64, &[(usize, f64)])| {
             let place = beside.binary_search_by_key(&i, |&(column, _)| column);
             place.map_or(0.0, |place| beside[place].1)
@@ -79,19 +104,19 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         let (spring, damper) = (entry(model.stiffness.row(j)), entry(model.damping.row(j)));
         // From the series as it was found: a copy would have to be waited for.
         for k in 2..ALL {
-            let velocity = side * found.speed[k];
-            let displacement = side * found.speed[k - 1] * INTEGRAL[k - 1];
-            carried[k] = -spring * displacement - damper * velocity;
+            let velocity = |k: usize| side * found.speed[k] + surface[k];
+            let displacement = velocity(k - 1) * INTEGRAL[k - 1];
+            carried[k] = -spring * displacement - damper * velocity(k);
         }
         let (spring, springs) = model.stiffness.row(j);
         let own = spring * coordinates[j].motion.displacement(1);
-        carried[1] = -damper * (side * found.speed[1]) - own - pull(springs, coordinates, 1);
+        carried[1] =
+            -damper * coordinates[i].motion.velocity(1) - own - pull(springs, coordinates, 1);
     }
     true
 }
 
-/// The coordinate that slips under a constant load, without a drive, while all others are held, and
-/// its contact.
+/// The coordinate that slips under a constant load while all others are held, and its contact.
 pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
     let mut found = None;
     for (i, coordinate) in series.coordinates.iter().enumerate() {
@@ -100,7 +125,7 @@ pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 
         }
         let c = model.owner[i].filter(|_| found.is_none())?;
         let of = &series.contacts[c];
-        if of.mode != StepMode::Slip || of.load_varies || model.is_driven[i] {
+        if of.mode != StepMode::Slip || of.load_varies {
             return None;
         }
         found = Some([i, c]);

@@ -54,7 +54,7 @@ pub(super) struct ContactSeries {
     /// w.
     pub(super) surface: PowerSeries,
     /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
-    /// alone: the force that stick would need.
+    /// alone without a drive: the force that stick would need.
     pub(super) carried: PowerSeries,
     /// N μ_s; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
@@ -136,10 +136,10 @@ impl DisplacementSeries {
         self.newest = coefficient;
     }
 
-    /// Takes v = σy + w for a constant w from the series of y, from coefficient 1 on.
-    pub(super) fn follow(&mut self, side: f64, speeds: &PowerSeries) {
+    /// Takes v = σy + w from the series of y and w, from coefficient 1 on.
+    pub(super) fn follow(&mut self, side: f64, speeds: &PowerSeries, surface: &PowerSeries) {
         for k in 1..TERMS {
-            self.numbers[k + 1] = side * speeds[k];
+            self.numbers[k + 1] = side * speeds[k] + surface[k];
         }
         self.newest = self.numbers[TERMS];
     }

@@ -91,7 +91,7 @@ fn assert_agree(model: &Model<'_>, found: &Series, expected: &Series) {
 
 #[test]
 fn simple_motions_have_the_series_of_the_general_way() {
-    let mut slipping_alone = 0;
+    let (mut slipping_alone, mut driven_alone) = (0, 0);
     for n in [1, 2, 3, 4, 5, 9, 16, 17, 40] {
         for fast in 0..n {
             for [others, is_driven] in [[false, false], [true, false], [false, true], [true, true]]
@@ -103,6 +103,8 @@ fn simple_motions_have_the_series_of_the_general_way() {
                 let (engine, _) = Engine::start(model, f64::EPSILON, clock, &start_state).unwrap();
                 let alone = slips_alone(&engine.model, &engine.series);
                 slipping_alone += usize::from(alone.is_some());
+                let is_driven = alone.is_some_and(|[i, _]| engine.model.is_driven[i]);
+                driven_alone += usize::from(is_driven);
                 let mut general = engine.series.clone();
                 start(&engine.model, &engine.situation, &mut general);
                 for k in 0..ALL {
@@ -113,4 +115,5 @@ fn simple_motions_have_the_series_of_the_general_way() {
         }
     }
     assert!(slipping_alone > 10, "{slipping_alone}");
+    assert!(driven_alone > 2, "{driven_alone}");
 }
