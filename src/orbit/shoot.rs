@@ -204,6 +204,9 @@ pub(super) fn shortest(
     right: &DVector<f64>,
     singular: f64,
 ) -> Option<DVector<f64>> {
+    if !matrix.iter().chain(right).all(|x| x.is_finite()) {
+        return None;
+    }
     let sweeps = 1000 * matrix.nrows();
     let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
     let least = singular * svd.singular_values.max();

@@ -170,10 +170,11 @@ impl Structure {
     }
 }
 
-/// An energy; the error shows the largest coordinate of a state whose energy overflows.
-fn finite(energy: f64, state: &State) -> Result<f64, Error> {
-    if energy.is_finite() {
-        return Ok(energy);
+/// A number that follows from a state; the error shows the largest coordinate of a state for which
+/// it overflows.
+pub(super) fn finite(number: f64, state: &State) -> Result<f64, Error> {
+    if number.is_finite() {
+        return Ok(number);
     }
     let size = |(u, v): &(f64, f64)| u.abs().max(v.abs());
     let coordinates = zip(&state.displacements, &state.velocities).map(|(u, v)| (*u, *v));

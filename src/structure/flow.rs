@@ -1,5 +1,6 @@
 //! The motion of a structure, step by step.
 
+use super::energy::finite;
 use super::engine::model::Model;
 use super::engine::{Engine, check_start};
 use super::step::Step;
@@ -105,7 +106,8 @@ impl Structure {
     /// # Errors
     ///
     /// The errors of [`simulate`](Self::simulate) for a start state that is not valid;
-    /// [`Error::InvalidParameter`] if the time is not finite.
+    /// [`Error::InvalidParameter`] if the time is not finite; [`Error::InvalidState`], with a
+    /// displacement and a velocity of the state, if a result overflows.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
@@ -119,7 +121,7 @@ impl Structure {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn carried(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
-        Ok(self.at(time, state)?.carried())
+        all_finite(self.at(time, state)?.carried(), state)
     }
 
     /// The acceleration v' of each coordinate at the given time in the given state, in units of
@@ -130,7 +132,7 @@ impl Structure {
     ///
     /// The errors of [`carried`](Self::carried).
     pub fn acceleration(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
-        Ok(self.at(time, state)?.acceleration())
+        all_finite(self.at(time, state)?.acceleration(), state)
     }
 
     /// The engine at an instant.
@@ -141,4 +143,11 @@ impl Structure {
         let (engine, _) = Engine::start(model, f64::EPSILON, Clock::at(time), state)?;
         Ok(engine)
     }
+}
+
+/// Numbers that follow from a state, if none overflows.
+fn all_finite(numbers: Vec<f64>, state: &State) -> Result<Vec<f64>, Error> {
+    // 0 times what is not finite is no number.
+    finite(numbers.iter().map(|x| 0.0 * x).sum(), state)?;
+    Ok(numbers)
 }

@@ -18,15 +18,8 @@ pub(super) fn check_masses(
         "at least one: their number",
     )?;
     for (i, &mass) in masses.iter().enumerate() {
-        let is_allowed = mass > 0.0 && mass.recip().is_finite();
-        Error::check(
-            "Structure",
-            "mass",
-            mass,
-            is_allowed,
-            "mass > 0, and 1/mass finite",
-        )
-        .map_err(|error| error.of_element(element(i)))?;
+        Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
+            .map_err(|error| error.of_element(element(i)))?;
     }
     Ok(())
 }

@@ -138,7 +138,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::BadElement`] for the first mass that is not positive and finite, or whose reciprocal overflows;
+    /// [`Error::BadElement`] for the first mass that is not positive and finite;
     /// [`Error::InvalidParameter`] if the list is empty.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
         check_masses(masses, Element::Mass)?;

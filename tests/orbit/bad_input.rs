@@ -2,7 +2,7 @@
 
 use stick_slip::orbit::{Orbit, Period, lyapunov, section, settle, shoot};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, MassOnBelt, Stribeck, Structure};
+use stick_slip::{Contact, Coulomb, Drive, Error, MassOnBelt, Polynomial, Stribeck, Structure};
 
 use crate::common::{assert_form, paper};
 
@@ -409,6 +409,28 @@ fn what_shrinks_to_steady_sliding_is_no_periodic_motion() {
             let found = settle(&string, &start, transient, Period::Free(period));
             let is_refused = matches!(found, Err(Error::AtRest | Error::NotPeriodic { .. }));
             assert!(is_refused, "{push:e} {transient}: {found:?}");
+        }
+    }
+}
+
+/// Derivatives by a period of so little overflow.
+#[test]
+fn the_least_estimate_of_a_period_finds_nothing() {
+    let law = Polynomial::new(
+        0.20122928429018733,
+        0.10106231808337672,
+        0.12306729043491449,
+    );
+    let system = MassOnBelt::new(law.unwrap(), 0.17438575977625276)
+        .and_then(|system| system.with_damping(0.140124657552818))
+        .and_then(|system| system.with_load(0.1174505946738409))
+        .unwrap();
+    for least in [f64::from_bits(1), 1e-310, 1e-300] {
+        for displacement in [0.0, 2.3e-308] {
+            let guess = (displacement, 0.5811796779354172).into();
+            let found = shoot(&system, &guess, Period::Free(least)).map(|_| ());
+            let is_told = matches!(found, Err(Error::NotPeriodic { .. } | Error::AtRest));
+            assert!(is_told, "{found:?}");
         }
     }
 }

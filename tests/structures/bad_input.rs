@@ -368,3 +368,16 @@ fn counts_are_said_in_words_that_fit_them() {
     let start = State::at_rest(1).with_memory(&[0.0]);
     message(two.simulate(start, 1.0), &["memory: 1 given; 2 are needed"]);
 }
+
+#[test]
+fn accelerations_that_overflow_are_errors() {
+    let light = Structure::new(&[1.0, 1e-310]).and_then(|s| s.with_ground_spring(1, 0.5));
+    let found = light
+        .unwrap()
+        .acceleration(0.0, &State::new(&[0.0, -0.3], &[0.0, 0.6]));
+    let expected = Error::InvalidState {
+        displacement: -0.3,
+        velocity: 0.6,
+    };
+    assert_eq!(found, Err(expected));
+}

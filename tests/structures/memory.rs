@@ -2,14 +2,15 @@
 
 use approx::assert_abs_diff_eq;
 use serde_json::Value;
+use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::State;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind,
-    Exponential, FrictionLaw, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
-    Tabulated,
+    Exponential, FrictionLaw, Integrator, LuGre, Mode, Motion, Rational, Scalar, Segment, Slip,
+    Structure, Tabulated,
 };
 
-use crate::common::{kind, list, number, text};
+use crate::common::{Random, kind, list, number, text};
 use crate::reading::{Raised, cases, numbers, remembering};
 
 #[test]
@@ -495,4 +496,137 @@ fn a_contact_without_load_keeps_its_bristles_and_forgets_its_rest() {
     assert_eq!((open.state.memory[0], close.state.memory[0]), (2.0, 0.0));
     // From there on the clock runs anew.
     assert_abs_diff_eq!(motion.last().memory[0], 3.0, epsilon = 1e-14);
+}
+
+/// A mass on bristles, and beside it a mass on a dry contact, coupled to it, on one belt.
+struct Pair {
+    stiffness: [f64; 2],
+    damping: [f64; 2],
+    coupling: f64,
+    belt: f64,
+    limit: f64,
+    system: Structure,
+}
+
+impl Pair {
+    fn random(random: &mut Random) -> Self {
+        let stiffness = [(); 2].map(|()| random.uniform(0.4, 2.0));
+        let damping = [(); 2].map(|()| random.uniform(0.01, 0.25));
+        let coupling = random.uniform(0.3, 2.0);
+        let belt = random.logarithmic(0.05, 0.5);
+        let (bristle, load) = (random.logarithmic(1e2, 1e5), random.uniform(0.3, 1.5));
+        let (static_, normal) = (random.uniform(0.2, 0.6), random.uniform(0.3, 1.5));
+        let law = Exponential::new(0.6, 0.4, 0.3).unwrap();
+        let rough = LuGre::new(law, bristle, random.uniform(0.0, 0.5), 0.04).unwrap();
+        let dry = Coulomb::new(static_, 0.8 * static_).unwrap();
+        let mut system = Structure::new(&[1.5, 0.7])
+            .and_then(|s| s.with_spring(0, 1, coupling))
+            .and_then(|s| s.with_contact(Contact::new(0, rough, load)?.on_belt(belt)))
+            .and_then(|s| s.with_contact(Contact::new(1, dry, normal)?.on_belt(belt)))
+            .unwrap();
+        for i in 0..2 {
+            system = system
+                .with_ground_spring(i, stiffness[i])
+                .and_then(|s| s.with_ground_damper(i, damping[i]))
+                .unwrap();
+        }
+        Self {
+            stiffness,
+            damping,
+            coupling,
+            belt,
+            limit: normal * static_,
+            system,
+        }
+    }
+}
+
+/// What a dry contact carries in stick stays within its limit while the mass beside it slips on
+/// bristles; the force follows from displacements alone.
+#[test]
+fn a_contact_sticks_no_longer_than_its_limit_beside_bristles() {
+    let mut random = Random::new(5511);
+    let (mut steps, mut releases, mut worst) = (0, 0, 0.0_f64);
+    for _ in 0..60 {
+        let pair = Pair::random(&mut random);
+        let start = State::new(&[0.1, 0.2], &[0.1, 0.0]);
+        let motion = Integrator::new()
+            .with_max_steps(4000)
+            .and_then(|integrator| integrator.simulate(&pair.system, start, 20.0));
+        // The stiffest take too many steps.
+        let Ok(motion) = motion else { continue };
+        let own = motion.events().iter().filter(|event| event.contact == 1);
+        releases += own
+            .filter(|event| matches!(event.kind, EventKind::Release(_)))
+            .count();
+        for step in motion.steps() {
+            if step.modes()[1] != Mode::Stick {
+                continue;
+            }
+            steps += 1;
+            for part in 0..=16 {
+                let state = step.state_at(step.duration().min(20.0) * f64::from(part) / 16.0);
+                let [q, other] = [state.displacements[1], state.displacements[0]];
+                let force = pair.coupling * (other - q)
+                    - pair.stiffness[1] * q
+                    - pair.damping[1] * pair.belt;
+                worst = worst.max(force.abs() / pair.limit - 1.0);
+            }
+        }
+    }
+    println!("{steps} steps, {releases} releases, {worst:.1e}");
+    assert!(steps > 1000 && releases > 40, "{steps} {releases}");
+    assert!(worst < 1e-12, "{worst:e}");
+}
+
+/// The release beside bristles, against fixed steps of a method of fourth order: with 10⁻⁵ they
+/// give the time 0.564188985587.
+#[test]
+fn a_release_beside_bristles_has_its_time() {
+    let matrix = |numbers: [f64; 4]| DMatrix::from_row_slice(2, 2, &numbers);
+    let bristles = Exponential::new(0.6433945996151641, 0.38603675976909846, 0.35892312703830653)
+        .and_then(|law| {
+            LuGre::new(
+                law,
+                2550.65271038457,
+                0.2589231270383065,
+                0.04011085550556919,
+            )
+        });
+    let dry = Rational::new(0.22094986044699774, 0.5238636793768404).unwrap();
+    let belt = 0.0892105680853651;
+    let system = Structure::new(&[1.5265963447822655, 0.6692772550650781])
+        .and_then(|s| {
+            let coupling = -1.0308090275716788;
+            s.with_stiffness(matrix([
+                1.8205092892778103,
+                coupling,
+                coupling,
+                1.6963184755062573,
+            ]))
+        })
+        .and_then(|s| {
+            let coupling = -0.06561791722866464;
+            s.with_damping(matrix([
+                0.23694176414942064,
+                coupling,
+                coupling,
+                0.25528723073262183,
+            ]))
+        })
+        .and_then(|s| s.with_contact(Contact::new(0, bristles?, 1.2899909199243536)?.on_belt(belt)))
+        .and_then(|s| s.with_contact(Contact::new(1, dry, 1.4963213065056482)?.on_belt(belt)))
+        .unwrap();
+    let start = State::new(
+        &[0.741580032474483, 0.6153765248200187],
+        &[0.08964277669000022, 0.08888461636027331],
+    )
+    .with_memory(&[-0.00024918701684675755]);
+    let motion = system.simulate(start, 0.7).unwrap();
+    let mut events = motion.events().iter();
+    let release = events.find(|event| matches!(event.kind, EventKind::Release(_)));
+    let release = release.unwrap();
+    assert_eq!(release.contact, 1);
+    assert_abs_diff_eq!(release.time, 0.564188985587, epsilon = 2e-9);
+    assert_abs_diff_eq!(motion.last().velocities[1], 0.088396784998, epsilon = 2e-12);
 }

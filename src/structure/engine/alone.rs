@@ -116,7 +116,8 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     true
 }
 
-/// The coordinate that slips under a constant load while all others are held, and its contact.
+/// The coordinate that slips under a constant load while all others are held, and its contact, if
+/// the law of this contact has a series without memory.
 pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
     let mut found = None;
     for (i, coordinate) in series.coordinates.iter().enumerate() {
@@ -125,7 +126,8 @@ pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 
         }
         let c = model.owner[i].filter(|_| found.is_none())?;
         let of = &series.contacts[c];
-        if of.mode != StepMode::Slip || of.load_varies {
+        let is_simple = of.mode == StepMode::Slip && !of.load_varies;
+        if !is_simple || model.contacts[c].law.dry_slip().is_none() {
             return None;
         }
         found = Some([i, c]);

@@ -141,6 +141,10 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
         if expand_alone(model, series, [i, c]) {
             return;
         }
+        if orders.start == 0 {
+            // Order 0 is computed anew below.
+            start(model, situation, series);
+        }
     }
     if orders.end == ALL && series.groups.is_some() {
         if orders.start == 0 {
