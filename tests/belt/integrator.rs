@@ -10,7 +10,7 @@ use crate::common::simple::{Seen, Simple, told};
 use crate::common::{Decay, Leine, Random, Table, on_belt, paper, ulp};
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator,
-    MassOnBelt, Mode, Polynomial, Scalar, State, Step, Trajectory,
+    MassOnBelt, Mode, Polynomial, Scalar, Segment, State, Step, Trajectory,
 };
 
 const EPS: f64 = f64::EPSILON;
@@ -1222,6 +1222,28 @@ fn ends_of_the_stick_band_are_half_open() {
             Direction::Leading
         };
         assert_eq!(motion.mode_at(0.0), Some(Mode::Slip(direction)));
+    }
+}
+
+/// An ulp outside the band of a belt at rest, the force on a mass is no larger than its rounding.
+/// It rests, or it slides towards the band: it never moves away from it.
+#[test]
+fn beside_the_band_of_a_belt_at_rest_no_mass_moves_outwards() {
+    for load in [0.011, 1.0, 7.3, 1e4] {
+        for damping in [0.05, 1.0, 5.0, 10.0] {
+            let system = on_belt(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.0, damping, load);
+            let [low, high] = system.stick_limits();
+            for start in [high.next_up(), low.next_down()] {
+                let flow = Integrator::new().flow(&system, State::new(start, 0.0));
+                for step in flow.unwrap().take(200) {
+                    let end = step.unwrap().end_state();
+                    assert!(
+                        end.displacement.abs() <= start.abs(),
+                        "{load} {damping}: from {start:e} to {end:?}"
+                    );
+                }
+            }
+        }
     }
 }
 
