@@ -301,3 +301,52 @@ fn derivatives_are_those_of_motions_beside() {
         );
     }
 }
+
+/// A load that jumps from below 0 closes an elastic contact at the time of the jump, whatever the
+/// displacement of its normal spring: δT = k_t(δq_0 − δq_0(1)) from there on.
+#[test]
+fn a_contact_that_a_jump_of_the_load_closes_has_the_derivative_of_the_closed_form() {
+    // Of unit masses, the first on a spring of stiffness 1, with k_t = 3; the second is free, and
+    // from t = 1 on the normal spring of stiffness 9.
+    let system = |load: f64| {
+        let load = Drive::profile(&[(1.0, -5.0), (1.0, load)])?;
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, load)?
+            .with_tangential_stiffness(3.0)?
+            .with_normal_spring(&[(1, 1.0)], 9.0)?
+            .on_belt(-0.1);
+        Structure::new(&[1.0, 1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_contact(contact)
+    };
+    let start = State::new(&[0.0, 0.01], &[0.02, 0.03]);
+    let (sine, cosine) = 1.0_f64.sin_cos();
+    #[rustfmt::skip]
+    let before = DMatrix::from_row_slice(5, 5, &[
+        cosine, 0.0, sine,   0.0, 0.0,
+        0.0,    1.0, 0.0,    1.0, 0.0,
+        -sine,  0.0, cosine, 0.0, 0.0,
+        0.0,    0.0, 0.0,    1.0, 0.0,
+        0.0,    0.0, 0.0,    0.0, 0.0,
+    ]);
+    // δq_0'' = −δq_0 − 3(δq_0 − δq_0(1)) and δq_1'' = −9 δq_1 over 0.2.
+    let ((s2, c2), (s3, c3)) = (0.4_f64.sin_cos(), 0.6_f64.sin_cos());
+    #[rustfmt::skip]
+    let after = DMatrix::from_row_slice(5, 5, &[
+        0.75 + 0.25 * c2,  0.0,       0.5 * s2, 0.0,      0.0,
+        0.0,               c3,        0.0,      s3 / 3.0, 0.0,
+        -0.5 * s2,         0.0,       c2,       0.0,      0.0,
+        0.0,               -3.0 * s3, 0.0,      c3,       0.0,
+        0.75 * (c2 - 1.0), 0.0,       1.5 * s2, 0.0,      0.0,
+    ]);
+    let expected = after * before;
+    for load in [3.0, 4.0] {
+        let system: Result<Structure, Error> = system(load);
+        let system = system.unwrap();
+        let map = system.form().period_map(&start, 1.2).unwrap();
+        assert_eq!(sequence(map.steps()), [(0, EventKind::Close)]);
+        assert_eq!(map.steps().last().unwrap().modes(), [Mode::Stick]);
+        // Some rounding errors of entries of size 2.
+        let error = (map.monodromy() - &expected).amax();
+        assert!(error < 1e-14, "{load}: {error:e}");
+    }
+}
