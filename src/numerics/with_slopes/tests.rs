@@ -454,6 +454,19 @@ fn the_outline_holds_the_ends_and_every_turn() {
     assert_eq!(calls, 7);
 }
 
+/// A least and a largest value where a sample is taken, whose slope is exactly 0.
+#[test]
+fn a_turn_at_a_sample_is_one_turn() {
+    for sign in [1.0, -1.0] {
+        let parabola = Counted::new(|x: f64| sample(x, sign * (1.0 + x * x), sign * 2.0 * x));
+        let (outline, _) = parabola.outline(-1.0, 1.0);
+        let values: Vec<f64> = outline.iter().map(|turn| sign * turn.value).collect();
+        assert_eq!(values.len(), 3, "{values:?}");
+        // A turn is found to a hundredth.
+        assert!(values[0] == 2.0 && values[2] == 2.0 && (values[1] - 1.0).abs() <= 0.01);
+    }
+}
+
 /// Waves of height 1 about a line that passes zero in the middle.
 #[test]
 fn turns_beyond_reach_cost_little() {
