@@ -153,6 +153,31 @@ mod tests {
     use crate::error::Error;
     use crate::friction::Exponential;
 
+    /// A motion lies on its own branch, and the one beyond the fold on another, whatever the unit
+    /// of length.
+    #[test]
+    fn a_motion_is_on_its_own_branch_in_all_units() {
+        for unit in [1.0, 1e-3, 1e3] {
+            let family = |velocity: f64| -> Result<MassOnBelt<Exponential>, Error> {
+                let law = Exponential::new(0.4, 0.25, 0.5 * unit)?;
+                let belt = MassOnBelt::new(law, velocity * unit)?;
+                belt.with_damping(0.05)?.with_load(unit)
+            };
+            let belt = family(0.805).unwrap();
+            let start = (0.4 * unit, 0.8 * unit).into();
+            let stable = settle(&belt, &start, 400.0, Period::Free(6.3)).unwrap();
+            let branch = follow(family, 0.805, &stable, 0.8..0.81).unwrap();
+            let whole = follow(family, 0.805, &stable, 0.8..0.9).unwrap();
+            let off = |point: &&BranchPoint<_>| (point.parameter - 0.805).abs();
+            let beyond = whole.points.iter().filter(|point| !point.orbit.is_stable());
+            let nearest = beyond.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+            let other = shoot(&belt, &nearest.orbit.state(), nearest.orbit.kind()).unwrap();
+            assert!(stable.is_stable() && !other.is_stable());
+            assert!(is_on(&branch, 0.805, &stable), "{unit}");
+            assert!(!is_on(&branch, 0.805, &other), "{unit}");
+        }
+    }
+
     /// Two motions just before the fold at which they meet are two, and each is the same from every
     /// start and over several periods.
     #[test]
