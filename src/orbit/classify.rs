@@ -309,8 +309,8 @@ pub(super) fn settled<S: Oscillator>(
     Ok((Attractor::Irregular, last))
 }
 
-/// The motion over its own period, if a motion of several returns repeats one of fewer: one that
-/// approaches its periodic motion from alternating sides may be nearest to itself after two returns.
+/// The motion over its own period, if a motion of several returns repeats one of fewer. A motion
+/// that approaches it from alternating sides is nearest to itself after two returns.
 fn shortest(form: &GeneralForm<'_>, found: TrialMotion, period: Period) -> (TrialMotion, Period) {
     for parts in (2..=MOST_RETURNS).rev() {
         let time = found.period / parts as f64;
