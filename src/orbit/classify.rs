@@ -135,12 +135,12 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// none may vary by more than 10⁻⁶ of the largest. A start exactly on an unstable equilibrium, or
 /// on an unstable periodic motion, stays there: perturb the start.
 ///
-/// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and nine searches by
-/// [`shoot`] with at most 9·10⁴ steps each; a motion that needs more counts as irregular. If the
-/// transient is longer, as with little damping and very different frequencies, use a [`Search`]
-/// with a larger bound. A `Search` also accepts a watcher, a function that can stop it. For one
-/// mass on a belt, [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor
-/// without simulation.
+/// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations), and 8·10⁵ steps of
+/// searches by [`shoot`]; a motion that needs more counts as irregular. If the transient is longer,
+/// as with little damping and very different frequencies, use a [`Search`] with a larger bound. A
+/// `Search` also accepts a watcher, a function that can stop it. For one mass on a belt,
+/// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
+/// simulation.
 ///
 /// # Errors
 ///
@@ -199,10 +199,10 @@ impl Search<'_> {
 /// Steps after which a motion is first tested; each time twice as many as before.
 const FIRST_STEPS: usize = 256;
 
-/// Number of tests within the default bound, and within a given one: each test more takes as many
-/// steps of the motion as all before.
+/// Number of tests within the default bound.
 const LOOKS: u32 = 9;
 
+/// Number of tests within a bound. Each takes as many steps of the motion as all before.
 fn looks(most: usize) -> u32 {
     LOOKS
         + (most / Search::DEFAULT_MAX_STEPS)
@@ -234,8 +234,8 @@ const CLOSED: f64 = 1e-9;
 /// Largest difference of two motions that are one, in units of the sizes.
 const SAME: f64 = 1e-6;
 
-/// The largest apparent way over a period of a coordinate that stands still, in parts of its
-/// displacement.
+/// Velocities of coordinates that stand still, in parts of what forces and displacements could
+/// give them in a period.
 const STILL: f64 = 1e-12;
 
 /// The attractor that a motion reaches, and a state there, at the beginning of a period of the
@@ -254,8 +254,8 @@ pub(super) fn settled<S: Oscillator>(
     let mut fastest = fastest_surface(form);
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
-    let looks = looks(form.most());
-    for look in 0..looks {
+    let mut left = (OF_SEARCHES * form.most() as f64) as usize;
+    for look in 0..looks(form.most()) {
         let mut seen = Recurrence::new(form, turning);
         for _ in 0..FIRST_STEPS << look {
             let Some(step) = flow.next().transpose()? else {
@@ -271,12 +271,17 @@ pub(super) fn settled<S: Oscillator>(
         if let Some((_, state)) = seen.latest(period) {
             last = state.clone();
         }
-        let rests = if form.freedom().displacements.is_empty() {
-            seen.velocities().all(|v| v <= AT_REST * fastest)
-        } else {
-            seen.velocity_changes().all(|v| v <= AT_REST * fastest)
+        let slow = match period {
+            None => AT_REST * fastest,
+            Some(period) => still(form, seen.displacement(), period),
         };
-        if rests && seen.events.is_empty() && (period.is_none() || fastest == 0.0) {
+        let rests = if form.freedom().displacements.is_empty() {
+            seen.velocities().all(|v| v <= slow)
+        } else {
+            seen.velocity_changes().all(|v| v <= slow)
+        };
+        let is_long_enough = period.is_none() || fastest == 0.0 || seen.strobes.len() > 1;
+        if rests && seen.events.is_empty() && is_long_enough {
             return Ok((at_rest(&seen.modes), last));
         }
         let (kept, kind) = match period {
@@ -289,10 +294,13 @@ pub(super) fn settled<S: Oscillator>(
             let (time, guess) = &returns[returns.len() - 1 - count];
             let estimate = returns[returns.len() - 1].0 - time;
             let period = kind.map_or(Period::Driven(count), |()| Period::Free(estimate));
-            let found = form.within_part(OF_SEARCHES / f64::from(looks), || {
-                shoot::search(form, guess, period)
+            let before = form.taken();
+            let found = form.within_steps(left / 2, || {
+                let found = shoot::search(form, guess, period)?;
+                Ok::<_, Error>(over_own_period(form, found, period))
             });
-            if let Ok((found, period)) = found.map(|found| shortest(form, found, period))
+            left = left.saturating_sub(form.taken() - before);
+            if let Ok((found, period)) = found
                 && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
             {
                 let state = S::general(&orbit.state());
@@ -311,7 +319,21 @@ pub(super) fn settled<S: Oscillator>(
 
 /// The motion over its own period, if a motion of several returns repeats one of fewer. A motion
 /// that approaches it from alternating sides is nearest to itself after two returns.
-fn shortest(form: &GeneralForm<'_>, found: TrialMotion, period: Period) -> (TrialMotion, Period) {
+fn over_own_period(
+    form: &GeneralForm<'_>,
+    found: TrialMotion,
+    period: Period,
+) -> (TrialMotion, Period) {
+    let (map, start) = (&found.map, vector(&found.map.start, form.order()));
+    let sizes = map.sizes();
+    let extent = map.largest(&map.extents().component_div(&sizes));
+    let is_start = |state: DVector<f64>| {
+        let mut apart = state - &start;
+        map.untranslated(&mut apart);
+        let apart = map.largest(&apart.component_div(&sizes));
+        let mut pairs = std::iter::zip(apart, extent);
+        pairs.all(|(apart, extent)| apart <= SAME * extent)
+    };
     for parts in (2..=MOST_RETURNS).rev() {
         let time = found.period / parts as f64;
         let shorter = match period {
@@ -319,17 +341,12 @@ fn shortest(form: &GeneralForm<'_>, found: TrialMotion, period: Period) -> (Tria
             Period::Driven(_) => continue,
             Period::Free(_) => Period::Free(time),
         };
-        let Some(later) = found.map.vector_at(time) else {
-            continue;
-        };
-        let start = vector(&found.map.start, form.order());
-        let apart = found.map.without_idle(later - start);
-        if apart.component_div(&found.map.sizes()).amax() > SAME {
+        if !map.vector_at(time).is_some_and(is_start) {
             continue;
         }
-        let part = shoot::search(form, &found.map.start, shorter);
-        if let Ok(part) = part
+        if let Ok(part) = shoot::search(form, &map.start, shorter)
             && (part.period - time).abs() <= SAME * time
+            && is_start(vector(&part.map.start, form.order()))
         {
             return (part, shorter);
         }
@@ -337,21 +354,36 @@ fn shortest(form: &GeneralForm<'_>, found: TrialMotion, period: Period) -> (Tria
     (found, period)
 }
 
-/// Returns true if every coordinate stands still over a motion, up to rounding of its displacements
-/// and of the forces on it.
+/// The velocity that rounding may give to coordinates that stand still, with displacements of a
+/// size, in a time.
+fn still(form: &GeneralForm<'_>, displacement: f64, time: f64) -> f64 {
+    let rows = form.model.inverse_mass.rows().enumerate();
+    let accelerations = rows.map(|(i, (own, beside))| {
+        let size = |j: usize, a: f64| a.abs() * form.model.forces[j].size();
+        let others = beside.iter().map(|&(j, a)| size(j, a));
+        size(i, own) + others.sum::<f64>()
+    });
+    let acceleration = accelerations.fold(0.0, f64::max);
+    STILL * (displacement / time).max(acceleration * time)
+}
+
+/// Returns true if every coordinate stands still over a motion, or moves at a constant velocity
+/// where nothing depends on it, up to rounding.
 fn stands<S: System>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> bool {
-    let period = orbit.period();
+    let displacements = (0..form.len()).map(|i| {
+        let (least, largest) = orbit.extremes(i);
+        least.abs().max(largest.abs())
+    });
+    let displacement = displacements.fold(0.0, f64::max);
+    let still = still(form, displacement, orbit.period());
     (0..form.len()).all(|i| {
-        let force = form
-            .model
-            .acceleration_by(i, |j| form.model.forces[j].size());
-        let [least, most] = orbit.extremes(i).into();
-        let size = least
-            .abs()
-            .max(most.abs())
-            .max(force.abs() * period * period);
-        let (least, most) = orbit.velocity_extremes(i);
-        least.abs().max(most.abs()) * period <= STILL * size
+        let (least, largest) = orbit.velocity_extremes(i);
+        let velocity = if form.freedom().displacements.is_empty() {
+            least.abs().max(largest.abs())
+        } else {
+            largest - least
+        };
+        velocity <= still
     })
 }
 
@@ -505,6 +537,13 @@ impl Recurrence {
             keep(returns, event.time, back(&event.state));
         }
         self.latest = Some((step.end_time(), back(&step.end_state())));
+    }
+
+    /// The largest size of a displacement.
+    fn displacement(&self) -> f64 {
+        let displacements = self.ranges[..self.ranges.len() / 2].iter();
+        let sizes = displacements.map(|(least, largest)| largest.max(-least));
+        sizes.fold(0.0, f64::max)
     }
 
     /// The largest size of each velocity.

@@ -169,9 +169,13 @@ impl Curve<'_> {
     /// The point of the same motion if it begins some periods of the drives later.
     pub(super) fn begun_later(&self, solved: &Solved, periods: usize) -> Option<DVector<f64>> {
         let part = periods as f64 / self.periods() as f64;
-        let state = solved.trial.map.vector_at(part * solved.trial.period)?;
+        let map = &solved.trial.map;
+        let state = map.vector_at(part * solved.trial.period)?;
+        let mut change = state - vector(&map.start, self.order);
+        map.untranslated(&mut change);
         let mut y = solved.y.clone();
-        y.rows_mut(0, self.order).copy_from(&state);
+        let mut start = y.rows_mut(0, self.order);
+        start += map.without_idle(change);
         Some(y)
     }
 

@@ -15,9 +15,10 @@ use crate::structure::engine::model::Model;
 #[derive(Debug)]
 pub struct GeneralForm<'s> {
     pub(super) model: Model<'s>,
-    /// Steps taken so far, and their limit.
+    /// Steps taken so far, the limit of the search, and that of the part of it under way.
     taken: Cell<usize>,
-    most: Cell<usize>,
+    most: usize,
+    until: Cell<usize>,
     watched: Option<&'s Watched<'s>>,
     freedom: OnceCell<Freedom>,
 }
@@ -38,7 +39,8 @@ impl<'s> GeneralForm<'s> {
         Self {
             model,
             taken: Cell::new(0),
-            most: Cell::new(MOST_STEPS_OF_A_SEARCH),
+            most: MOST_STEPS_OF_A_SEARCH,
+            until: Cell::new(MOST_STEPS_OF_A_SEARCH),
             watched: None,
             freedom: OnceCell::new(),
         }
@@ -47,7 +49,8 @@ impl<'s> GeneralForm<'s> {
     /// The same with another limit of steps, and watched.
     pub(super) fn within(self, most: usize, watched: &'s Watched<'s>) -> Self {
         Self {
-            most: Cell::new(most),
+            most,
+            until: Cell::new(most),
             watched: Some(watched),
             ..self
         }
@@ -55,16 +58,14 @@ impl<'s> GeneralForm<'s> {
 
     /// The limit of steps.
     pub(super) fn most(&self) -> usize {
-        self.most.get()
+        self.most
     }
 
-    /// Part of a search, in which the steps that follow may take this part of the limit.
-    pub(super) fn within_part<T>(&self, part: f64, search: impl FnOnce() -> T) -> T {
-        let most = self.most();
-        let next = self.taken() + (part * most as f64) as usize;
-        self.most.set(next.min(most));
+    /// Part of a search, which may take so many steps.
+    pub(super) fn within_steps<T>(&self, steps: usize, search: impl FnOnce() -> T) -> T {
+        self.until.set((self.taken() + steps).min(self.most));
         let found = search();
-        self.most.set(most);
+        self.until.set(self.most);
         found
     }
 
@@ -76,7 +77,7 @@ impl<'s> GeneralForm<'s> {
     /// Counts a step, or a part of one, before it is taken from a state.
     pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
         let taken = self.taken.get();
-        if taken >= self.most() {
+        if taken >= self.until.get() {
             return Err(self.too_many(reached()));
         }
         if let Some(watched) = self.watched {
@@ -91,13 +92,13 @@ impl<'s> GeneralForm<'s> {
 
     /// The error of a search that exceeds its limit of steps.
     pub(super) fn too_many(&self, reached: Reached) -> Error {
-        let limit = self.most();
+        let limit = self.most;
         Error::TooManySteps { limit, reached }
     }
 
     /// Limit of the steps of one motion over a period.
     pub(super) fn most_of_a_period(&self) -> usize {
-        (self.most() / 10).max(Integrator::DEFAULT_MAX_STEPS)
+        (self.most / 10).max(Integrator::DEFAULT_MAX_STEPS)
     }
 
     /// The directions in which the system can be moved without any change of a force.

@@ -29,7 +29,7 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// |---|---|
 /// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
 /// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
-/// | [`classify`](Self::classify) | the motion until it repeats itself, at most about an eighth of the bound of steps, and up to nine times [`shoot`](Self::shoot) |
+/// | [`classify`](Self::classify) | the motion until it repeats itself, at most about an eighth of the bound of steps, and some searches by [`shoot`](Self::shoot) |
 /// | [`sweep`](Self::sweep) | [`classify`](Self::classify) twice for each value |
 /// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
 /// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |

@@ -198,6 +198,12 @@ fn a_search_that_is_stopped_keeps_what_it_has_found() {
             }) => {
                 assert_eq!(parameter, "belt_velocity");
                 assert!(steps >= most && steps < most + 200 && steps >= last);
+                // The bound is reached where so many steps are taken, not one later.
+                let bound = along_velocities(&system, -1.0..1.0).with_max_steps(steps);
+                let again = bound.unwrap().grazing();
+                let is_same =
+                    |again| matches!(again, Err(Error::Stopped { steps: s, .. }) if s == steps);
+                assert!(is_same(again), "{steps}");
                 last = steps;
                 assert_eq!(found, all[..found.len()]);
                 assert!(found.iter().all(|found| *found < value + 0.05));

@@ -8,7 +8,7 @@ use stick_slip::limit_cycle::{self, Attractor as Planar};
 use stick_slip::orbit::{AttractorKind, Change, Period, Search, classify, settle, sweep};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, CycleKind, Drive, Error, EventKind, Exponential, MassOnBelt, Rational,
+    Contact, Coulomb, CycleKind, Drive, Dwell, Error, EventKind, Exponential, MassOnBelt, Rational,
     Stribeck, Structure, bifurcation,
 };
 
@@ -397,5 +397,28 @@ fn what_contacts_hold_is_at_rest() {
     for (q, v) in [(0.3, 0.1), (-0.2, 0.0), (0.5, 0.5), (0.0, -0.4)] {
         let found = classify(&held, &State::new(&[q, 0.1], &[v, 0.2])).unwrap();
         assert_eq!(found.kind(), AttractorKind::Rest, "{q} {v}: {found:?}");
+    }
+}
+
+/// What is at rest does not depend on a free inertia that turns beside it, nor on the time for which
+/// a contact has been at rest.
+#[test]
+fn rest_beside_a_free_inertia_and_with_a_clock() {
+    let moved = Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_force(0, Drive::sine(0.1, 0.7)?));
+    let dry = Coulomb::new(0.4, 0.4).unwrap();
+    let clock = Dwell::exponential(dry, 0.6, 1.0).unwrap();
+    let contacts = [
+        Contact::new(0, dry, 1.0).unwrap(),
+        Contact::new(0, clock, 1.0).unwrap(),
+    ];
+    for contact in contacts {
+        let system = moved.clone().and_then(|s| s.with_contact(contact)).unwrap();
+        for velocity in [0.0, 0.5] {
+            let start = State::new(&[0.3, 0.0], &[0.2, velocity]);
+            let found = classify(&system, &start).unwrap();
+            assert_eq!(found.kind(), AttractorKind::Rest, "{velocity}: {found:?}");
+        }
     }
 }

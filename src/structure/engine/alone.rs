@@ -11,7 +11,7 @@ use crate::friction::slip::{Equation, Expansion, Known, SlipPoint};
 use crate::series::{INTEGRAL, PowerSeries};
 
 /// All orders of the coordinate and the contact that slip alone, and all after the first of those
-/// that are held; returns false if the law has no such series.
+/// that are held; returns false if the law gives no number or no slope.
 pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
     let Some(law) = model.contacts[c].law.dry_slip() else {
         return false;
@@ -91,11 +91,11 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     coordinates[i]
         .motion
         .follow(side, &found.speed, &of.surface);
+    let surface = contacts[c].surface;
     for j in 0..model.len() {
         let Role::Held(held_by) = coordinates[j].role else {
             continue;
         };
-        let surface = contacts[c].surface;
         let carried = &mut contacts[held_by].carried;
         let entry = |(_, beside): (f64, &[(usize, f64)])| {
             let place = beside.binary_search_by_key(&i, |&(column, _)| column);

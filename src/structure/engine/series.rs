@@ -54,7 +54,7 @@ pub(super) struct ContactSeries {
     /// w.
     pub(super) surface: PowerSeries,
     /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
-    /// alone without a drive: the force that stick would need.
+    /// alone without a drive: the force that stick would need, from order 1 on.
     pub(super) carried: PowerSeries,
     /// N μ_s; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
