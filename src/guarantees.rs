@@ -37,11 +37,11 @@
 //! 4. **Stick** is computed by closed formulas, and v equals v_b in every bit. Tests:
 //!    `belt::integrator::promise_4_stick_is_closed_form`,
 //!    `belt::hostile::it_sticks_in_the_band_and_slips_outside`.
-//! 5. **Order.** States are continuous; in stiff phases (promise 9), up to 8 tolerances. Event
-//!    times never decrease; they increase strictly if the phase between two events is longer than
-//!    an ulp of the time (the distance between two neighbouring numbers of type `f64`). The same
-//!    call gives the same bits on the same kind of processor. Tests:
-//!    `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
+//! 5. **Order.** States are continuous. In stiff phases (promise 9) they may jump by up to 8
+//!    tolerances between two steps. Event times never decrease; they increase strictly if the phase
+//!    between two events is longer than an ulp of the time (the distance between two neighbouring
+//!    numbers of type `f64`). The same call gives the same bits on the same kind of processor.
+//!    Tests: `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
 //!    `contract::api::the_same_bits_again_and_in_threads`.
 //! 6. **Large numbers.** The integrated variable is v_r, not v, so the zeros of v_r are exact for
 //!    large v_b. Time is summed with compensation for rounding errors: after 10⁵ cycles, the time
@@ -81,6 +81,9 @@
 //! * v_b < 0: −F_s < F ≤ F_s, the mirror image.
 //! * v_b = 0: −F_s ≤ F ≤ F_s.
 //!
+//! In the table, rows that give a sign of v_r, but no sign of v_b, apply to v_b > 0. For v_b < 0
+//! the sign of v_r is reversed.
+//!
 //! | situation | what happens |
 //! |---|---|
 //! | stick, v_b > 0: F grows at the rate v_b and reaches F_s | [`Release`](crate::EventKind::Release), slip with v_r < 0; u = F_s − 2βv_b, v = v_b |
@@ -92,9 +95,6 @@
 //! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
 //! | start with v_r = 0, F outside the band, not at the release point | the mass slips at once, with the sign of −F; no event at time 0 |
 //! | v_b > 0: start at the release point u = F_s − 2βv_b, v = v_b, within 4 ulps of the largest of these terms | `Release` at time 0, reported |
-//!
-//! Rows that give a sign of v_r, but no sign of v_b, apply to v_b > 0. For v_b < 0 the sign of v_r
-//! is reversed.
 //!
 //! [`stick_limits`](crate::MassOnBelt::stick_limits) returns the ends of the band as displacements
 //! u; every decision uses these two numbers.
@@ -115,8 +115,9 @@
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
 //!   `structures::random::a_simple_integrator_sees_the_same_events`.
-//! * **Stick.** A mass that sticks to a surface at a rigid contact of its own has the velocity of
-//!   the surface in every bit, however this velocity varies:
+//! * **Stick.** A mass that sticks to a surface has the velocity of the surface in every bit,
+//!   however this velocity varies, if the contact is rigid and created by `Contact::new`, the mass
+//!   has no second rigid contact, and the mass matrix does not couple it to other masses:
 //!   `structures::identities::a_stuck_mass_is_carried_exactly`. The velocities of masses that stick
 //!   to each other agree to rounding, and exactly at the start of each step.
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
@@ -125,10 +126,10 @@
 //! * **Contacts that share masses.** At the relative velocity r = 0, stick or slip is decided for
 //!   all these contacts together, by the rule on the page of
 //!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
-//!   matter. If several contacts reach r = 0, every contact whose direction and surface velocity
-//!   are the same linear combination of theirs also reaches r = 0, and is decided together with
-//!   them. If contacts with linearly dependent directions would stick at the same time, the run
-//!   returns [`Error::Undetermined`](crate::Error::Undetermined):
+//!   matter. Let contacts c with directions b_c and surface velocities w_c reach r = 0. A contact
+//!   with b = Σ a_c b_c and w = Σ a_c w_c, with any numbers a_c, then also reaches r = 0, and is
+//!   decided together with them. If contacts with linearly dependent directions would stick at the
+//!   same time, the run returns [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::contacts_come_to_rest_with_those_that_they_depend_on`,

@@ -6,7 +6,7 @@
 //! the belt velocities at which cycles appear. The friction law can be any analytic or piecewise
 //! analytic function. Motions of several masses are computed with equal accuracy. Friction may act
 //! on belts and between masses; forces and belt velocities may vary in time. The [periodic
-//! motions](orbit) of several masses are found from a guess.
+//! motions](orbit) of several masses are found from a guess, by simulation, or from a Hopf point.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -49,7 +49,7 @@
 //! | the load, damping or law coefficient at which one of these changes happens | [`bifurcation::along`] |
 //! | the load at which vibration begins | [`bifurcation::silencing_load`] |
 //! | the least damping without vibration | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
-//! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
+//! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; errors of the paper: [list](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; its force: [`Structure::carried`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`]; contacts along its mode shapes: [`Contact::along`] |
@@ -144,8 +144,8 @@
 //! # Limits
 //!
 //! * **Completeness for one mass only.** Completeness is guaranteed for a single mass on a belt of
-//!   constant velocity, because its motions lie in a plane and cannot cross each other. Periodic
-//!   motions of a [`Structure`] are found from a guess: see [`orbit`].
+//!   constant velocity, because its motions lie in a plane and cannot cross each other. The
+//!   searches for periodic motions of a [`Structure`] can miss some: see [`orbit`].
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
 //!   or a [`ContactLaw`] of your own), and `Structure::from` converts a mass on a belt to a
@@ -156,10 +156,10 @@
 //!   not come to rest at the same time ([`Error::Undetermined`]).
 //! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
 //!   steep friction as in the cubic law far above its minimum) does not increase the number of
-//!   steps, up to D of about 1e20. In structures this holds only for slip on contacts with one
-//!   stiff memory variable, such as bristles (tried up to a bristle stiffness σ0 = 1e12). Other
-//!   stiffness shortens the explicit steps; extreme stiffness ends in [`Error::StepUnderflow`] or
-//!   [`Error::TooManySteps`].
+//!   steps, up to D of about 1e20. In structures stiffness does not increase the number of steps in
+//!   slip on contacts with one stiff memory variable, such as bristles (tried up to a bristle
+//!   stiffness σ0 = 1e12). Other stiffness shortens the explicit steps; extreme stiffness ends in
+//!   [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the

@@ -1,8 +1,9 @@
 //! The written form of all types that the feature `serde` writes and reads, with JSON as the
 //! example.
 //!
-//! Laws, systems with their parts, scalings, states and events are **written and read**. Reading
-//! calls the constructors, with the same checks and error messages. An unknown field is an error.
+//! Laws, systems with their parts, scalings, states, events, and the enums so marked in the table
+//! are **written and read**. Reading calls the constructors, with the same checks and error
+//! messages. An unknown field is an error.
 //!
 //! Equilibria, cycles, sets of cycles, periodic motions, branches, sweeps, attractors, samples,
 //! energies and points of a diagram are **written only**, for other programs. These results follow
@@ -42,7 +43,7 @@
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
 //! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts` (none) | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
-//! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
+//! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`; with the direction: `release`, `crossing` | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
 //! | [`Direction`](crate::Direction) | `lagging`, `leading` | yes |
 //! | [`CycleKind`](crate::CycleKind) | `pure_slip`, `stick_slip`, `overshoot`, `crossing` | yes |
@@ -60,12 +61,12 @@
 //! | [`structure::EnergyBudget`](crate::structure::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation` | no |
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
 //! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
-//! | [`Branch`](crate::orbit::Branch) | `points`: maps `parameter`, `orbit`; `bifurcations`: maps `parameter`, `kind` (in words), `orbit`; `ends` (in words) | no |
+//! | [`Branch`](crate::orbit::Branch) | `points`: a list of maps with the fields `parameter`, `orbit`; `bifurcations`: a list of maps with the fields `parameter`, `kind` (in words), `orbit`; `ends` (in words) | no |
 //! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: `null` if the attractor is not periodic | no |
 //! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |
 //! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `no_system`, `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence`, `discontinuity`, `unknown` | no |
-//! | [`Sweep`](crate::orbit::Sweep) | `up`, `down`: maps `parameter`, `attractor`, `error` (in words); `stopped` | no |
+//! | [`Sweep`](crate::orbit::Sweep) | `up`, `down`: lists of maps with the fields `parameter`, `attractor`, `error` (in words); `stopped` | no |
 //! | [`orbit::Change`](crate::orbit::Change) | `between`: a list of the two values of the parameter; `from`; `to` | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!

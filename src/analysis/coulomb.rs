@@ -13,7 +13,7 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase at the largest belt velocity at which a stick-slip cycle exists.
+/// The slip phase at the belt velocity below which there is a stick-slip cycle.
 ///
 /// This belt velocity is γ²(μ_s − μ_k)Λ, with the friction load γ², the static coefficient μ_s and
 /// the kinetic coefficient μ_k. At the end of the slip phase the velocity of the mass reaches the
@@ -30,12 +30,12 @@ use crate::state::State;
 pub struct TangentialSlip {
     /// Duration s of slip, dimensionless.
     pub duration: f64,
-    /// Factor Λ, dimensionless: the belt velocity of this cycle, divided by γ²(μ_s − μ_k).
+    /// Factor Λ, dimensionless: the belt velocity of this slip phase, divided by γ²(μ_s − μ_k).
     pub velocity_factor: f64,
 }
 
-/// The slip phase of the stick-slip cycle at the largest belt velocity at which this cycle exists:
-/// its duration, and the factor Λ of this belt velocity, γ²(μ_s − μ_k)Λ.
+/// The slip phase at the belt velocity below which there is a stick-slip cycle: its duration, and
+/// the factor Λ of this belt velocity, γ²(μ_s − μ_k)Λ.
 ///
 /// The argument is the damping ratio β. γ² is the friction load, μ_s the static and μ_k the kinetic
 /// coefficient; [`TangentialSlip`] has the formulas. Exact to rounding. `None` unless 0 < β < 1.

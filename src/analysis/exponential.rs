@@ -39,8 +39,7 @@ impl HopfPoint {
     }
 }
 
-/// The two belt velocities v_low < v_high between which steady sliding is unstable. Dimensionless,
-/// exact to rounding.
+/// The two belt velocities v_low < v_high between which steady sliding is unstable. Dimensionless.
 ///
 /// One root v of the following equation lies below v_s/√2, and one above:
 ///
@@ -49,8 +48,9 @@ impl HopfPoint {
 /// ```
 ///
 /// β is the damping ratio, γ² the friction load, μ_s the static coefficient, μ_k the kinetic
-/// coefficient at high speeds, and v_s the Stribeck velocity. Near c = 1/√(2e), with Euler's number
-/// e, both roots are ill-conditioned. The system's own belt velocity is ignored.
+/// coefficient at high speeds, and v_s the Stribeck velocity. The roots are exact to rounding,
+/// except near c = 1/√(2e) (e: Euler's number), where both are ill-conditioned. The system's own
+/// belt velocity is ignored.
 ///
 /// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
 /// if β = 0: steady sliding is then unstable at every belt velocity or, if friction is constant
@@ -106,9 +106,9 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 /// speed v_s/√2. The system's own belt velocity v_b and damping ratio β are ignored.
 ///
 /// The result is exact. With more damping the force 2βv + γ²μ(v − v_b) of damper and friction rises
-/// with the velocity v of the mass, and every motion loses energy. At exactly this damping ratio
-/// there is no vibration either. The exception is μ_s = μ_k: the result is 0, friction is constant,
-/// and at β = 0 every small vibration lasts.
+/// with the velocity v of the mass, and every motion about the equilibrium loses energy. At exactly
+/// this damping ratio there is no vibration either. The exception is μ_s = μ_k: the result is 0,
+/// friction is constant, and at β = 0 every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///

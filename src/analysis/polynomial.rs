@@ -17,9 +17,9 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// own belt velocity v_b and damping ratio β are ignored.
 ///
 /// The result is exact. With more damping the force 2βv + γ²μ(v − v_b) of damper and friction rises
-/// with the velocity v of the mass, and every motion loses energy. At exactly β = η/2 there is no
-/// vibration either. The exception is μ_s = μ_m: η is 0, friction is constant, and at β = 0 every
-/// small vibration lasts.
+/// with the velocity v of the mass, and every motion about the equilibrium loses energy. At exactly
+/// β = η/2 there is no vibration either. The exception is μ_s = μ_m: η is 0, friction is constant,
+/// and at β = 0 every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
 ///

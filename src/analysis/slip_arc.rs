@@ -11,8 +11,8 @@ pub(super) const SMALL: f64 = 1e-17;
 ///
 /// The slip phase is a damped free vibration about the displacement at which kinetic friction
 /// balances the spring. At the start and at the end of slip the mass has the velocity of the belt.
-/// All units are those of the system. On a belt that moves backward, displacements have the
-/// opposite sign.
+/// All units are those of the system. If `belt_velocity` is negative, `release_displacement` and
+/// `contact_displacement` have the opposite signs of those for −`belt_velocity`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExactCycle {

@@ -27,10 +27,10 @@ use crate::scalar::LONGEST;
 /// − κv_b, the mirror image of the release point ū + κv_b. In reality the mass gains energy of
 /// order ε, the small parameter of [`analysis`](super), and the distance of the end from ū is
 /// larger by O(ε^{1/2}). The formulas are therefore inaccurate: the errors are O(ε) in A1,
-/// O(ε^{3/2}) in T and O(ε^{1/2}) in the durations. (Even T = 2π has an error O(ε^{3/2}).) For a
-/// cubic law use [`first_order`](Self::first_order) and [`second_order`](Self::second_order). The
-/// formulas are valid for κ > 0 and, with the polynomial law, for 0 < |v_b| < v_b0
-/// ([`stick_velocity`](super::PureSlip::stick_velocity)).
+/// O(ε^{3/2}) in T and O(ε^{1/2}) in the durations. (The error of the constant 2π, as an
+/// approximation of T, has the same order.) For a cubic law use [`first_order`](Self::first_order)
+/// and [`second_order`](Self::second_order). The formulas are valid for κ > 0 and, with the
+/// polynomial law, for 0 < |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
@@ -188,11 +188,12 @@ impl StickSlip {
 
     /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
-    /// `None` in the cases of [`first_order`](Self::first_order), if W ≤ 0 with W of
-    /// [`StickSlipCycle`], or if the mass would overtake the belt. In a stick of duration θ the
-    /// mass moves by |v_b|θ, up to the release point at one end of the stick band. If |v_b|θ
-    /// exceeds the width 2γ²μ_s of this band, the mass reaches the belt velocity outside the band.
-    /// It cannot stick there, and overtakes the belt.
+    /// `None` in the first three cases of [`first_order`](Self::first_order), if W ≤ 0 with W of
+    /// [`StickSlipCycle`], or if the duration of stick or slip would not be positive. The mass
+    /// would overtake the belt in the following case. In a stick of duration θ the mass moves by
+    /// |v_b|θ, up to the release point at one end of the stick band. If |v_b|θ exceeds the width
+    /// 2γ²μ_s of this band, the mass reaches the belt velocity outside the band. It cannot stick
+    /// there, and overtakes the belt.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)

@@ -4,7 +4,7 @@ use crate::state::State;
 /// Slow growth or decay of a vibration without stick, for the polynomial law, in closed form.
 ///
 /// The displacement u vibrates about the equilibrium ū: u − ū = A sin ψ with ψ = τ + φ and the time
-/// τ. Amplitude A and phase shift φ obey Eq. 12, whose solution is on the right:
+/// τ. Amplitude A and phase shift φ obey the equations on the left; their solution is on the right:
 ///
 /// ```text
 /// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)
@@ -104,7 +104,7 @@ impl Transient {
         amplitude.is_finite().then_some(amplitude)
     }
 
-    /// Phase ψ(τ) = ψ(0) + τ of z = A sin ψ, in radians.
+    /// Phase ψ(τ) = ψ(0) + τ of the vibration u − ū = A sin ψ, in radians.
     pub fn phase(&self, time: f64) -> f64 {
         self.initial_phase + time
     }

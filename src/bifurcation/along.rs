@@ -41,11 +41,12 @@ pub fn along<'f, L: FrictionLaw>(
     Along::of(Family::Systems(Box::new(family)), range, "parameter")
 }
 
-/// The search of one system along its belt velocity. The methods of [`Along`] return the same
-/// results as [`hopf_velocities`](super::hopf_velocities),
-/// [`grazing_velocities`](super::grazing_velocities) and the other functions for belt velocities.
-/// [`Along`] can also bound the work, and call a function that sees the progress and may stop the
-/// search. The system's own belt velocity is ignored.
+/// A search over the belt velocity of one system, for Hopf points, grazings, folds and other
+/// changes of its motions. The methods of [`Along`] return the same results as
+/// [`hopf_velocities`](super::hopf_velocities), [`grazing_velocities`](super::grazing_velocities)
+/// and the other functions for belt velocities. [`Along`] can also bound the work, and call a
+/// function that sees the progress and may stop the search. The system's own belt velocity is
+/// ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///

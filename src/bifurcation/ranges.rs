@@ -83,8 +83,8 @@ pub struct VibrationRange {
     /// Belt velocities, dimensionless. After a search [`along`](super::along()) another parameter
     /// they are values of this parameter, in its own units.
     pub velocities: Range<f64>,
-    /// The attractors, from the inside outwards. Empty if a motion can grow without bound, or if
-    /// double precision cannot resolve the attractors.
+    /// The attractors, from the inside outwards in the plane of displacement and velocity. Empty if
+    /// a motion can grow without bound, or if double precision cannot resolve the attractors.
     pub attractors: Vec<AttractorKind>,
 }
 
@@ -95,8 +95,8 @@ impl VibrationRange {
         self.attractors.len() > 1
     }
 
-    /// Returns true if a vibration can last. This is the case if an attractor is not steady
-    /// sliding. It is also the case if the list of attractors is empty, because a motion can then
+    /// Returns true if a vibration can last. This is the case if an attractor is a continuum or a
+    /// cycle. It is also the case if the list of attractors is empty, because a motion can then
     /// grow without bound, or double precision cannot resolve the attractors.
     pub fn vibrates(&self) -> bool {
         self.attractors != [AttractorKind::Equilibrium]

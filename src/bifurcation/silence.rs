@@ -13,8 +13,8 @@ use crate::numerics::bracket::Bracket;
 /// v_b is 0.
 ///
 /// If the kinetic coefficient μ̂(s) is negative at no sliding speed s, a single border separates
-/// the dampings with vibration from those without. The reason: more damping rotates the vector
-/// field inwards at every state with v ≠ 0. Consider a cycle at one value of β, a closed curve in
+/// the dampings with vibration from those without. The reason: less damping rotates the vector
+/// field outwards at every state with v ≠ 0. Consider a cycle at one value of β, a closed curve in
 /// the phase plane. With less damping, a motion that starts outside this curve stays outside and
 /// never reaches steady sliding. A system that can vibrate at one β can therefore vibrate at every
 /// smaller β.
@@ -23,7 +23,7 @@ use crate::numerics::bracket::Bracket;
 /// −½γ²dμ̂/ds(|v_b|), with the friction load γ²), the last two cycles meet and vanish, or the
 /// stick-slip cycle grazes the belt velocity. The function encloses the border by doubling β, and
 /// narrows the enclosure to neighbouring numbers. [`find`](crate::limit_cycle::find) decides
-/// whether a system vibrates, so the result is as complete as the search of `find`. If that search
+/// whether a system vibrates. If `find` misses a vibration, the result can be too small. If it
 /// leaves a range [unresolved](crate::limit_cycle::CycleSet::unresolved), the system counts as
 /// vibrating. On very slow belts and near steady sliding, a motion may change over one period by
 /// less than the rounding error. `find` then decides by averaging. Vibration may end at a β

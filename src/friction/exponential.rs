@@ -3,7 +3,8 @@ use super::{AnyLaw, FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// The Gaussian Stribeck law, which falls from μ_s towards μ_k and never rises.
+/// The Gaussian Stribeck law, which falls from μ_s towards μ_k and never rises. It is constant if
+/// μ_k = μ_s.
 ///
 /// ```text
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)

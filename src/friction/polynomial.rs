@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 /// μ̂(s) is the kinetic coefficient at the sliding speed s, and μ_s the static coefficient.
 /// Coefficients are dimensionless. Speeds are in the unit of velocity of the system
 /// ([`FrictionLaw`](crate::FrictionLaw)). The coefficient falls from μ_s at s = 0 to μ_m at s =
-/// v_m, and rises without bound at higher speeds.
+/// v_m, and rises without bound at higher speeds. If μ_m = μ_s, it is constant.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.

@@ -39,7 +39,7 @@ pub enum Attractor {
     /// Not decided, because rounding errors hide whether the motion grows or shrinks over one
     /// period. Either a velocity maximum of the motion lies in an
     /// [unresolved](CycleSet::unresolved) range, or the motion crosses the belt velocity in each
-    /// period and changes over one period by a part of about 10⁻¹⁴ or less.
+    /// period, and its relative change over one period is about 10⁻¹⁴ or less.
     Unresolved,
 }
 

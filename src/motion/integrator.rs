@@ -145,9 +145,9 @@ impl Integrator {
     ///
     /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
     /// * [`Error::InvalidState`] if a displacement or a velocity of `start` is not finite. For a
-    ///   [`MassOnBelt`](crate::MassOnBelt) this error is also returned if max(|u − ū|, |v|, |v_b|),
-    ///   the [scale](Self::with_tolerance) of the motion, is neither 0 nor between 1e-280 and
-    ///   1e300;
+    ///   [`MassOnBelt`](crate::MassOnBelt) also if max(|u − ū|, |v|, |v_b|) is below 1e-280, but
+    ///   not 0, or above 1e300 (u and v: displacement and velocity of `start`, ū: displacement of
+    ///   steady sliding, v_b: belt velocity);
     /// * if the integration fails, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
     ///   [`Error::StepUnderflow`], [`Error::TooManySteps`] or [`Error::TooManyEvents`], with the
     ///   time and state reached;

@@ -172,8 +172,9 @@ pub enum BranchEnd {
     /// * In stick, or at the start of stick, the force of the contact just reaches the static
     ///   limit. Beyond the parameter the contact slips at this instant. If static friction exceeds
     ///   kinetic friction, the friction force jumps.
-    /// * The relative velocity of the contact just reaches 0. Beyond the parameter the relative
-    ///   velocity does not reach 0.
+    /// * The relative velocity of the contact just reaches 0, and the derivative of the period map
+    ///   stays bounded. (If it grows without bound, the end is a [`Grazing`](Self::Grazing).)
+    ///   Beyond the parameter the relative velocity does not reach 0.
     ///
     /// The multipliers do not show the jump in advance. (Before a [`Grazing`](Self::Grazing), in
     /// contrast, the first multiplier grows without bound.)
@@ -198,9 +199,9 @@ pub enum BranchEnd {
     ///
     /// Motions in which a contact never slips form a continuum, one motion for each position of the
     /// contact. The branch consists of the motions with one position. Beyond the end of the branch
-    /// the slips change the position. If the slips become shorter and cease, the contact has
-    /// reached a position of another branch (shakedown). To find that branch, start
-    /// [`settle`](super::settle) from the last motion. Otherwise the slips continue (ratcheting).
+    /// the slips change the position. Either they continue (ratcheting), or they become shorter and
+    /// cease: the contact has then reached a position of another branch (shakedown). To find that
+    /// branch, start [`settle`](super::settle) from the last motion.
     ///
     /// Source: A. Klarbring, M. Ciavarella, J. R. Barber, "Shakedown in elastic contact problems
     /// with Coulomb friction", Int. J. Solids Struct. 44 (2007) 8355.

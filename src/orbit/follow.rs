@@ -44,8 +44,9 @@ use crate::state::structure::State;
 /// Let s be the arclength and μ_i the [multipliers](Orbit::multipliers), without the multiplier 1
 /// that every autonomous motion has. A test function changes its sign at a bifurcation:
 ///
-/// * fold: dp/ds and Π(1 − μ_i); the change of one of them is enough;
-/// * pitchfork of a symmetric motion: Π(1 − μ_i);
+/// * fold: dp/ds, or Π(1 − μ_i) where there is no pitchfork;
+/// * pitchfork of a symmetric motion: Π(1 − μ_i), if the map of [`BifurcationKind::Pitchfork`] has
+///   the multiplier −1;
 /// * flip: Π(1 + μ_i);
 /// * Neimark-Sacker bifurcation, if a complex pair lies on the unit circle: Π(1 − μ_i μ_j) over all
 ///   pairs i < j.
@@ -64,9 +65,9 @@ use crate::state::structure::State;
 ///
 /// A motion can jump as the parameter passes a value. If the jump is less than 1e-3 of the motion's
 /// size, and a neighbouring motion is found on the other side, the branch continues with the
-/// neighbouring motion. Otherwise the branch ends with [`BranchEnd::Discontinuity`]. Contacts that
-/// never slip keep their positions along the branch. If such a contact reaches its limit force and
-/// slips in one direction only, the branch ends with [`BranchEnd::OneWaySlip`].
+/// neighbouring motion. Otherwise the branch ends with [`BranchEnd::Discontinuity`]. A contact that
+/// does not slip keeps its position along the branch. If at some parameter it reaches its limit
+/// force, and beyond slips in one direction only, the branch ends with [`BranchEnd::OneWaySlip`].
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions of
@@ -79,7 +80,8 @@ use crate::state::structure::State;
 ///   parameter;
 /// * [`Error::At`], with the parameter, if the family returns an error at this parameter, or if
 ///   `from` is not a motion of the system there;
-/// * [`Error::At`], with the parameter, if a system returns an error for a motion that was found.
+/// * [`Error::At`], with the parameter, if `family`, or the computation of the [`Orbit`], returns
+///   an error for a motion that was found.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, Period};

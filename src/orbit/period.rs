@@ -18,9 +18,9 @@ pub enum Period {
     ///
     /// A phase condition fixes the start of the motion. [`shoot`](super::shoot) and
     /// [`settle`](super::settle) begin at a guess, a state near the motion: the start lies on the
-    /// plane through the guess, normal to the flow x' at the guess (x: state). In
-    /// [`follow`](super::follow()) and [`begin`](super::begin()) one coordinate is at a turning
-    /// point at the start.
+    /// plane through the guess, normal to the flow x' at the guess (x: state). The functions
+    /// [`follow`](super::follow()) and [`begin`](super::begin()) choose a start at which one
+    /// coordinate is at a turning point.
     Free(f64),
 }
 

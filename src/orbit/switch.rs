@@ -36,11 +36,12 @@ impl<S: Oscillator> Bifurcation<S> {
     ///
     /// `family` is the family that was followed. At a flip the new motion has twice the period. At
     /// a pitchfork the new motion lacks the symmetry; its mirror image is a second new motion. Let
-    /// G be the map over half the period of the new motion, at a pitchfork followed by the
-    /// reflection of [`BifurcationKind::Pitchfork`]. Let x0 be the start of the motion at the
-    /// bifurcation, and w the eigenvector with G'w = −w of the Jacobian matrix G'. With a small
-    /// amplitude ε, the start x of the new motion is sought near x0 + εw, on a plane parallel to
-    /// the old branch. The equations are
+    /// G be the map over half the period of the new motion. At a pitchfork, the reflection of
+    /// [`BifurcationKind::Pitchfork`] follows, and is part of G. Let x0 be the start of the motion
+    /// at the bifurcation, and w the eigenvector with G'w = −w of the Jacobian matrix G'. With a
+    /// small amplitude ε, the start x of the new motion is sought near x0 + εw. The unknowns are
+    /// those of [`follow`](super::follow()), and the motion is sought on a plane in their space
+    /// that is parallel to the old branch. The equations are
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
@@ -51,8 +52,8 @@ impl<S: Oscillator> Bifurcation<S> {
     /// order ε². [`criticality`](Self::criticality) returns the side on which the new motions
     /// exist.
     ///
-    /// At the bifurcation the new branch turns back. Beyond a flip it contains the same motions
-    /// again, half a period later; beyond a pitchfork, their mirror images.
+    /// At the bifurcation the new branch turns back. At a flip it then runs through the same
+    /// motions again, begun half a period later; at a pitchfork, through their mirror images.
     /// [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] at this point.
     ///
     /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch

@@ -37,9 +37,9 @@ impl Contact {
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
-    /// * [`Error::LawNotConstant`] unless the coefficient is constant, as in `Coulomb::new(μ, μ)`:
-    ///   if static friction exceeds kinetic friction, or if friction falls with speed, the
-    ///   displacement of a massless slider is not determined.
+    /// * [`Error::LawNotConstant`] unless the coefficient is constant, as in `Coulomb::new(μ, μ)`.
+    ///   The reason: with static friction above kinetic friction, or with friction that falls with
+    ///   speed, the displacement of the massless slider is not determined.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
@@ -98,9 +98,9 @@ impl Contact {
     ///
     /// A constant N0 must be positive. A contact with a gap g has N = max(0, k_n (d·x − g)) for the
     /// coordinates x. To describe it, choose a position x_0 with d·x_0 > g, and use the coordinates
-    /// q = x − x_0: then N0 = k_n (d·x_0 − g). The shift also changes other terms of the equations:
-    /// add the constant force −K x_0 (K: stiffness matrix), n·x_0 to the load N0 of each contact
-    /// with a load gradient n, and k_n d·x_0 to the load N0 of each other contact with a normal
+    /// q = x − x_0: then N0 = k_n (d·x_0 − g). The shift also changes other terms of the equations.
+    /// Add −K x_0 (K: stiffness matrix) to the forces. Add n·x_0 to the load N0 of each contact
+    /// with a load gradient n. Add k_n d·x_0 to the load N0 of each other contact with a normal
     /// spring.
     ///
     /// # Errors

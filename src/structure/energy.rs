@@ -66,9 +66,9 @@ pub struct EnergyBudget {
     /// its slider. In a contact with bristles the integral also contains the change of the energy
     /// stored in the bristles.
     pub friction_loss: Vec<f64>,
-    /// Work on each normal spring, done by the part N0(t) + n·q of its load N: ∫ N (N0' + n·v)/k_n
-    /// dt. N0(t) is the load given to the contact, and n its load gradient. 0 for a contact without
-    /// a normal spring.
+    /// Work of the moving base of each normal spring, ∫ N (N0' + n·v)/k_n dt. N is the load; the
+    /// base moves by (N0 + n·q)/k_n. N0(t) is the load given to the contact, and n its load
+    /// gradient. 0 for a contact without a normal spring.
     pub normal_work: Vec<f64>,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,

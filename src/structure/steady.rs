@@ -69,10 +69,10 @@ pub struct SteadySliding {
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
     /// memory variable. They are sorted by descending real part; if real parts are equal, by
-    /// descending imaginary part. Two kinds of memory variables do not influence small motions, and
-    /// get the eigenvalue −∞: the force of an elastic contact, which slip keeps at its limit, and a
-    /// variable that is constant in slip and has no effect on slip, such as the clock of a
-    /// [`Dwell`](crate::Dwell).
+    /// descending imaginary part. Two kinds of memory variables do not influence small motions: the
+    /// force of an elastic contact, which slip keeps at its limit, and a variable that is constant
+    /// in slip and has no effect on slip, such as the clock of a [`Dwell`](crate::Dwell). By
+    /// definition their eigenvalue is −∞, so that they do not count for stability.
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
