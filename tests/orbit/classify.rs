@@ -400,8 +400,8 @@ fn what_contacts_hold_is_at_rest() {
     }
 }
 
-/// What is at rest does not depend on a free inertia that turns beside it, nor on the time for which
-/// a contact has been at rest.
+/// What is at rest does not depend on a free inertia that turns beside it, nor on the time for
+/// which a contact has been at rest.
 #[test]
 fn rest_beside_a_free_inertia_and_with_a_clock() {
     let moved = Structure::new(&[1.0, 1.0])
