@@ -12,6 +12,7 @@
 // | `gauss.rs` | Gauss-Legendre quadrature on one interval |
 // | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
 // | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move; units in which a matrix is balanced |
+// | `least_norm.rs` | minimum-norm least-squares solutions of linear systems |
 // | `trace` | curves in two parameters: Newton's method across a curve (`mod.rs`), pseudo-arclength steps along it (`along.rs`) |
 // | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 
@@ -20,6 +21,7 @@ pub(crate) mod bracket;
 pub(crate) mod chebyshev;
 pub(crate) mod eigenvalues;
 pub(crate) mod gauss;
+pub(crate) mod least_norm;
 pub(crate) mod scan;
 #[cfg(test)]
 pub(crate) mod testing;

@@ -132,8 +132,9 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// least 256 steps. First, no event happens. Second, no velocity is larger than 10⁻⁶ of the largest
 /// velocity of a mass or a belt so far. If masses can be displaced together without changing any
 /// force (see [translations](super#motions-that-are-translated)), velocities may have any size, but
-/// none may vary by more than 10⁻⁶ of the largest. A start exactly on an unstable equilibrium, or
-/// on an unstable periodic motion, stays there: perturb the start.
+/// none may vary by more than 10⁻⁶ of the largest. If drives vary, no event may happen over a
+/// period and at least 256 steps, and all velocities must be rounding errors. A start exactly on an
+/// unstable equilibrium, or on an unstable periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations), and 8·10⁵ steps of
 /// searches by [`shoot`]; a motion that needs more counts as irregular. If the transient is longer,
@@ -231,7 +232,7 @@ const NEAR: f64 = 0.05;
 /// A motion that returns to within less is periodic, stable or not: one of a continuum.
 const CLOSED: f64 = 1e-9;
 
-/// Largest difference of two motions that are one, in units of the sizes.
+/// Largest difference of two motions that are one, in parts of their extent.
 const SAME: f64 = 1e-6;
 
 /// Velocities of coordinates that stand still, in parts of what forces and displacements could
@@ -267,7 +268,7 @@ pub(super) fn settled<S: Oscillator>(
             }
             seen.add((form, start), &step, period, &mut number);
         }
-        fastest = seen.velocities().fold(fastest, f64::max);
+        fastest = seen.velocities().map(size).fold(fastest, f64::max);
         if let Some((_, state)) = seen.latest(period) {
             last = state.clone();
         }
@@ -275,11 +276,7 @@ pub(super) fn settled<S: Oscillator>(
             None => AT_REST * fastest,
             Some(period) => still(form, seen.displacement(), period),
         };
-        let rests = if form.freedom().displacements.is_empty() {
-            seen.velocities().all(|v| v <= slow)
-        } else {
-            seen.velocity_changes().all(|v| v <= slow)
-        };
+        let rests = seen.velocities().all(|range| speed(form, range) <= slow);
         let is_long_enough = period.is_none() || fastest == 0.0 || seen.strobes.len() > 1;
         if rests && seen.events.is_empty() && is_long_enough {
             return Ok((at_rest(&seen.modes), last));
@@ -370,21 +367,25 @@ fn still(form: &GeneralForm<'_>, displacement: f64, time: f64) -> f64 {
 /// Returns true if every coordinate stands still over a motion, or moves at a constant velocity
 /// where nothing depends on it, up to rounding.
 fn stands<S: System>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> bool {
-    let displacements = (0..form.len()).map(|i| {
-        let (least, largest) = orbit.extremes(i);
-        least.abs().max(largest.abs())
-    });
+    let displacements = (0..form.len()).map(|i| size(orbit.extremes(i)));
     let displacement = displacements.fold(0.0, f64::max);
     let still = still(form, displacement, orbit.period());
-    (0..form.len()).all(|i| {
-        let (least, largest) = orbit.velocity_extremes(i);
-        let velocity = if form.freedom().displacements.is_empty() {
-            least.abs().max(largest.abs())
-        } else {
-            largest - least
-        };
-        velocity <= still
-    })
+    (0..form.len()).all(|i| speed(form, orbit.velocity_extremes(i)) <= still)
+}
+
+/// The largest size of a number in a range.
+fn size((least, largest): (f64, f64)) -> f64 {
+    largest.max(-least)
+}
+
+/// How far a coordinate whose velocity is in a range is from rest: the largest size of its velocity
+/// or, where masses may move at constant velocities, the change of it.
+fn speed(form: &GeneralForm<'_>, (least, largest): (f64, f64)) -> f64 {
+    if form.freedom().displacements.is_empty() {
+        size((least, largest))
+    } else {
+        largest - least
+    }
 }
 
 /// The largest velocity of a surface.
@@ -542,26 +543,18 @@ impl Recurrence {
     /// The largest size of a displacement.
     fn displacement(&self) -> f64 {
         let displacements = self.ranges[..self.ranges.len() / 2].iter();
-        let sizes = displacements.map(|(least, largest)| largest.max(-least));
-        sizes.fold(0.0, f64::max)
+        displacements.copied().map(size).fold(0.0, f64::max)
     }
 
-    /// The largest size of each velocity.
-    fn velocities(&self) -> impl Iterator<Item = f64> {
-        let velocities = self.ranges[self.ranges.len() / 2..].iter();
-        velocities.map(|(least, largest)| largest.max(-least))
-    }
-
-    /// The extent of each velocity.
-    fn velocity_changes(&self) -> impl Iterator<Item = f64> {
-        let velocities = self.ranges[self.ranges.len() / 2..].iter();
-        velocities.map(|(least, largest)| largest - least)
+    /// Least and largest of each velocity.
+    fn velocities(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.ranges[self.ranges.len() / 2..].iter().copied()
     }
 
     /// The coordinate whose velocity varies most.
     fn largest(&self) -> usize {
-        let velocities = self.ranges[self.ranges.len() / 2..].iter().enumerate();
-        let spread = |range: &(f64, f64)| range.1 - range.0;
+        let velocities = self.velocities().enumerate();
+        let spread = |range: (f64, f64)| range.1 - range.0;
         let largest = velocities.max_by(|a, b| spread(a.1).total_cmp(&spread(b.1)));
         largest.map_or(0, |(i, _)| i)
     }

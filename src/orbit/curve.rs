@@ -19,12 +19,12 @@ use super::passage::{is_inside, passage};
 use super::period::Period;
 use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
-use super::shoot::shortest;
 use super::spectrum::spectrum;
 use super::translation::Turning;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
+use crate::numerics::least_norm::least_norm_by_rows;
 use crate::numerics::trace::{Plane, is_in_or_near};
 use crate::state::structure::State;
 
@@ -640,14 +640,5 @@ const SINGULAR: f64 = 1e-8;
 
 /// The minimum-norm solution of a linear system.
 pub(super) fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    let (mut matrix, mut right) = (matrix.clone(), right.clone());
-    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
-        let size = row.amax();
-        if size > 0.0 {
-            row /= size;
-            *right /= size;
-        }
-    }
-    let solution = shortest(matrix, &right, SINGULAR)?;
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
+    least_norm_by_rows(matrix.clone(), right.clone(), SINGULAR)
 }

@@ -1,6 +1,6 @@
 //! Shooting: Newton's method for fixed points of the period map.
 
-use nalgebra::{DMatrix, DVector, SVD};
+use nalgebra::DVector;
 
 use super::form::{GeneralForm, Rhythm};
 use super::map::{self, CLOSED, state, vector};
@@ -12,6 +12,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Mode;
+use crate::numerics::least_norm::least_norm;
 use crate::state::structure::State;
 use crate::structure::engine::check_sizes;
 
@@ -97,7 +98,7 @@ impl<'s> Problem<'s> {
                 matrix.column_mut(order).scale_mut(unit.recip());
             }
         }
-        let mut solution = shortest(matrix, &right, SINGULAR)?;
+        let mut solution = least_norm(matrix, &right, SINGULAR)?;
         if self.section.is_some() {
             solution[order] /= unit;
         }
@@ -195,22 +196,6 @@ impl<'s> Problem<'s> {
             trial.not_periodic()
         }
     }
-}
-
-/// The minimum-norm solution of a linear system: singular values below a part of the largest count
-/// as 0.
-pub(super) fn shortest(
-    matrix: DMatrix<f64>,
-    right: &DVector<f64>,
-    singular: f64,
-) -> Option<DVector<f64>> {
-    if !matrix.iter().chain(right).all(|x| x.is_finite()) {
-        return None;
-    }
-    let sweeps = 1000 * matrix.nrows();
-    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
-    let least = singular * svd.singular_values.max();
-    svd.solve(right, least).ok()
 }
 
 /// The periodic motion near a guess, by shooting: Newton's method with the exact derivative of the

@@ -6,9 +6,10 @@ use super::changes::{CurvePoint, LocalCurve};
 use super::curve::solution;
 use super::form::GeneralForm;
 use super::map::{CLOSED, PeriodMap, state, vector};
-use super::shoot::{SINGULAR, shortest};
+use super::shoot::SINGULAR;
 use crate::drive::Drive;
 use crate::numerics::bracket::Bracket;
+use crate::numerics::least_norm::least_norm;
 
 /// The map G over half of a period, of which a motion is a fixed point: G(x) = S P(x) + c with
 /// diagonal S and constant c. For a motion that takes twice its own period S is the identity; for a
@@ -91,7 +92,7 @@ impl HalfMap {
         let mut moved = self.clone();
         if change.amax() != 0.0 {
             let mut shift = moved.shift.rows_mut(0, n);
-            shift += shortest(to.stiffness.clone(), &change, SINGULAR)?;
+            shift += least_norm(to.stiffness.clone(), &change, SINGULAR)?;
         }
         Some(moved)
     }

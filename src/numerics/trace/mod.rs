@@ -9,9 +9,10 @@ mod along;
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector, SVD};
+use nalgebra::{DMatrix, DVector};
 
 pub(crate) use self::along::{End, Half, trace};
+use super::least_norm::least_norm_by_rows;
 use crate::error::Error;
 
 /// Equations whose solutions form a curve.
@@ -165,25 +166,6 @@ const BEYOND: f64 = 1.0 / 64.0;
 /// Singular values below this part of the largest count as 0.
 const SINGULAR: f64 = 1e-12;
 
-/// The minimum-norm least-squares solution of a linear system, its rows in units of their sizes.
-fn solution(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Option<DVector<f64>> {
-    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
-        let size = row.amax();
-        if size > 0.0 {
-            row /= size;
-            *right /= size;
-        }
-    }
-    if !matrix.iter().chain(&right).all(|x| x.is_finite()) {
-        return None;
-    }
-    let sweeps = 1000 * matrix.nrows();
-    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
-    let least = SINGULAR * svd.singular_values.max();
-    let solution = svd.solve(&right, least).ok()?;
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
-}
-
 /// Checks that ranges of two parameters are finite and not empty.
 pub(crate) fn check_ranges(of: &'static str, ranges: &[Range<f64>; 2]) -> Result<(), Error> {
     let names = [
@@ -243,7 +225,8 @@ pub(crate) fn solve<E: Equations>(
         let rows = residual.len();
         let mut right = (-&residual).insert_row(rows, 0.0);
         right[rows] = plane.missed_by(&y);
-        let Some(change) = solution(with_row(jacobian, &plane.normal), right) else {
+        let Some(change) = least_norm_by_rows(with_row(jacobian, &plane.normal), right, SINGULAR)
+        else {
             return Err(equations.lost(&y, &value));
         };
         let size = change.amax();
@@ -251,7 +234,7 @@ pub(crate) fn solve<E: Equations>(
         if size <= FINE || (is_small && size >= 0.5 * before) {
             let mut right = DVector::zeros(rows + 1);
             right[rows] = 1.0;
-            let tangent = solution(with_row(jacobian, plane.along), right);
+            let tangent = least_norm_by_rows(with_row(jacobian, plane.along), right, SINGULAR);
             let tangent = tangent.filter(|tangent| tangent.norm() > 0.0);
             let Some(tangent) = tangent.filter(|_| is_small) else {
                 return Err(equations.lost(&y, &value));

@@ -10,9 +10,10 @@ use super::map::{PeriodMap, longest_pause, period_map, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::shoot::{SINGULAR, shortest};
+use super::shoot::SINGULAR;
 use crate::error::Error;
 use crate::motion::{Event, EventKind, Segment};
+use crate::numerics::least_norm::least_norm;
 use crate::state::structure::State;
 
 /// A motion with its derivatives with respect to parameters; returned by [`sensitivities`].
@@ -356,7 +357,7 @@ impl Sensitivities {
             let right = -missed
                 .component_div(&sizes)
                 .resize_vertically(unknowns, 0.0);
-            let solution = shortest(matrix.clone(), &right, SINGULAR)?;
+            let solution = least_norm(matrix.clone(), &right, SINGULAR)?;
             let own = solution.rows(0, order).component_mul(&sizes);
             slopes.column_mut(number).copy_from(&own);
             let duration = |run: &Run| Some(DVector::from_element(1, run.duration));

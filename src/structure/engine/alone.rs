@@ -91,11 +91,11 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     coordinates[i]
         .motion
         .follow(side, &found.speed, &of.surface);
-    let surface = contacts[c].surface;
     for j in 0..model.len() {
         let Role::Held(held_by) = coordinates[j].role else {
             continue;
         };
+        let surface = contacts[c].surface;
         let carried = &mut contacts[held_by].carried;
         let entry = |(_, beside): (f64, &[(usize, f64)])| {
             let place = beside.binary_search_by_key(&i, |&(column, _)| column);

@@ -357,7 +357,7 @@ impl<'s> Model<'s> {
     }
 
     /// (M⁻¹f)_i with what `force` gives for each coordinate.
-    pub(crate) fn acceleration_by(&self, i: usize, force: impl Fn(usize) -> f64) -> f64 {
+    pub(super) fn acceleration_by(&self, i: usize, force: impl Fn(usize) -> f64) -> f64 {
         let (diagonal, beside) = self.inverse_mass.row(i);
         let own = diagonal * force(i);
         beside.iter().fold(own, |sum, &(j, a)| sum + a * force(j))
