@@ -4,8 +4,8 @@ use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Direction, Drive, Error, Event, EventKind, Exponential, Mode,
-    Structure, Trajectory,
+    AnyLaw, Contact, Coulomb, Direction, Drive, Error, Event, EventKind, Exponential, Integrator,
+    Mode, Structure, Trajectory,
 };
 
 use crate::common::{Random, text};
@@ -649,17 +649,70 @@ fn contacts_come_to_rest_with_those_that_they_depend_on() {
     assert!(together > 3 * count(100) && ended > 0);
 }
 
+/// The same where a third contact, which holds both ends and another mass, has no part in it.
+#[test]
+fn contacts_come_to_rest_together_beside_one_that_holds() {
+    let mut random = Random::new(48);
+    let mut together = 0;
+    for i in 0..count(100) {
+        let mut uniform = |low, high| random.uniform(low, high);
+        let slanting = [0, 1, 2].map(|j| (j, uniform(0.5, 1.5)));
+        let masses = [0; 3].map(|_| uniform(0.5, 2.0));
+        let springs = [0; 3].map(|_| uniform(0.5, 2.0));
+        let held = Structure::new(&masses)
+            .and_then(|s| {
+                s.with_ground_spring(0, springs[0])?
+                    .with_ground_spring(1, springs[1])
+            })
+            .and_then(|s| s.with_ground_spring(2, springs[2]))
+            .and_then(|s| s.with_contact(Contact::new(0, dry(), uniform(0.1, 0.4))?))
+            .and_then(|s| s.with_contact(Contact::new(1, dry(), uniform(0.1, 0.4))?))
+            .and_then(|s| s.with_contact(Contact::between(0, 1, dry(), 40.0)?))
+            .and_then(|s| s.with_contact(Contact::along(&slanting, dry(), 40.0)?))
+            .unwrap();
+        let [a, b, c] = slanting.map(|(_, part)| part);
+        let start = State::new(
+            &[uniform(-2.0, 2.0), 0.0, 0.0],
+            &[0.8, 0.8, -0.8 * (a + b) / c],
+        );
+        for tolerance in [1e-6, 1e-9, f64::EPSILON] {
+            let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+            let motion = match integrator.simulate(&held, start.clone(), 20.0) {
+                Ok(motion) => motion,
+                Err(Error::Undetermined { .. }) => continue,
+                Err(error) => panic!("{error}"),
+            };
+            let events = motion.events();
+            for pair in events.chunks(2) {
+                let [first, second] = pair else {
+                    panic!("{i}, {tolerance:e}: {events:?}")
+                };
+                assert_eq!(first.time, second.time, "{i}, {tolerance:e}");
+                assert_eq!(
+                    [first.contact, second.contact],
+                    [0, 1],
+                    "{i}, {tolerance:e}"
+                );
+                together += 1;
+            }
+        }
+    }
+    assert!(together > 3 * count(100), "{together}");
+}
+
 /// Contacts that hold all coordinates, in directions none of which has a coordinate to itself.
 #[test]
 fn masses_held_in_slanting_directions_are_at_rest_to_the_bit() {
     let mut random = Random::new(47);
-    for _ in 0..count(50) {
-        let n = 2 + (random.bits() % 3) as usize;
+    let mut held = [0; 2];
+    for i in 0..count(50) {
+        let (base, apart, more) = [(0.0, 1.0, 3), (1.0, 1e-3, 1)][i % 2];
+        let n = 2 + (random.bits() % more) as usize;
         let masses: Vec<f64> = (0..n).map(|_| random.uniform(0.5, 2.0)).collect();
         let mut structure = Structure::new(&masses).unwrap();
         for _ in 0..n {
-            let direction: Vec<(usize, f64)> =
-                (0..n).map(|j| (j, random.uniform(-1.0, 1.0))).collect();
+            let entry = |j| (j, base + apart * random.uniform(-1.0, 1.0));
+            let direction: Vec<(usize, f64)> = (0..n).map(entry).collect();
             let contact = Contact::along(&direction, dry(), random.uniform(0.5, 2.0));
             structure = structure.with_contact(contact.unwrap()).unwrap();
         }
@@ -673,6 +726,7 @@ fn masses_held_in_slanting_directions_are_at_rest_to_the_bit() {
         let motion = structure.simulate(start, 1e4).unwrap();
         let last = motion.steps().last().unwrap();
         if last.modes()[..n].iter().all(|mode| *mode == Mode::Stick) {
+            held[i % 2] += 1;
             assert!(
                 motion.last().velocities.iter().all(|v| *v == 0.0),
                 "{motion:?}"
@@ -680,4 +734,5 @@ fn masses_held_in_slanting_directions_are_at_rest_to_the_bit() {
         }
         assert!(motion.steps().len() < 1000, "{}", motion.steps().len());
     }
+    assert!(held.iter().all(|held| *held > count(50) / 20), "{held:?}");
 }

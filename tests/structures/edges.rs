@@ -7,6 +7,8 @@ use stick_slip::{
     Segment, Structure, Tabulated,
 };
 
+use crate::work::Work;
+
 /// A block that slides to a stop takes ∫ m ds/(N μ(s)). Where it starts, the law has no derivative
 /// that is not rounding, and no spring, or a very soft one, gives a time in which to measure
 /// velocities.
@@ -84,6 +86,32 @@ fn nearly_parallel_contacts_do_not_magnify_rounding() {
                     assert!(error.abs() < 1e-13, "{apart:e} {i} {time}: {error:e}");
                 }
             }
+        }
+    }
+}
+
+/// A contact holds two masses on an oscillating plate; another, along nearly the same direction,
+/// slips there and back. Where it passes r = 0 its own rounding does not move the masses.
+#[test]
+fn nearly_parallel_contacts_that_reverse_do_not_magnify_rounding() {
+    for apart in [1e-3, 1e-5, 1e-7] {
+        for i in 0..20 {
+            let plate = Drive::sine(0.2, 0.9 + 0.05 * f64::from(i)).unwrap();
+            let law = Coulomb::new(0.4, 0.3).unwrap();
+            let holds = Contact::along(&[(0, 1.0), (1, 1.0)], law, 20.0).unwrap();
+            let slides = Contact::along(&[(0, 1.0), (1, 1.0 + apart)], law, 0.01).unwrap();
+            let two = Structure::new(&[1.0, 1.0])
+                .and_then(|s| s.with_ground_spring(0, 1.0))
+                .and_then(|s| s.with_ground_spring(1, 1.3))
+                .and_then(|s| s.with_contact(holds.on_belt(plate)))
+                .and_then(|s| s.with_contact(slides.on_belt(0.07)))
+                .unwrap();
+            let start = State::new(&[1.0, -1.0], &[0.0, 0.0]);
+            let motion = two.simulate(start, 20.0).unwrap();
+            let kinds = motion.events().iter().map(|event| event.kind);
+            let reversals = kinds.filter(|kind| matches!(kind, EventKind::Crossing(_)));
+            assert!(reversals.count() > 4, "{:?}", motion.events());
+            Work::new(&two, &[law.into(), law.into()]).balances(&motion, &format!("{apart:e} {i}"));
         }
     }
 }

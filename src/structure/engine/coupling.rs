@@ -98,8 +98,13 @@ impl Model<'_> {
             };
             let mut correction: Vec<f64> = contacts.iter().map(pull).collect();
             factor.solve(&mut correction);
-            for ((part, correction), &c) in parts.iter_mut().zip(correction).zip(contacts) {
-                *part += correction / self.contacts[c].compliance.sqrt();
+            for ((part, correction), &other) in parts.iter_mut().zip(correction).zip(contacts) {
+                let size = self.contacts[other].compliance.sqrt();
+                *part += correction / size;
+                // A part that is all rounding would leave remainders as large as its terms.
+                if part.abs() * size <= ROUNDING * self.contacts[c].compliance.sqrt() {
+                    *part = 0.0;
+                }
             }
         }
         let rest = self.remainder(c, contacts, &parts, &coordinates);

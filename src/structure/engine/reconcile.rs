@@ -2,7 +2,7 @@
 //! integrated separately, and the velocities of the coordinates are adjusted to them.
 
 use super::contact::Entries;
-use super::factor::ROUNDING;
+use super::factor::{Pivot, ROUNDING};
 use super::model::Model;
 use super::series::Series;
 use super::shared::unless_rounding;
@@ -152,8 +152,29 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     for (j, correction) in displacements {
         situation.coordinates[j].displacement -= correction;
     }
-    // Contacts at rest to the bit.
-    for pivot in &closed.pivots {
+    hold(situation, series, &closed.pivots);
+    situation.closed = Some(closed);
+}
+
+/// Sets the velocities of contacts that turn out to stick, and that were left out before because
+/// they might slip. Returns false if there are none.
+pub(super) fn hold_left_out(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &Series,
+    left_out: &[usize],
+) -> bool {
+    if !left_out.iter().any(|&c| situation.contacts[c].sticks()) {
+        return false;
+    }
+    let pivots = model.pivots(&situation.holding.contacts);
+    hold(situation, series, &pivots);
+    true
+}
+
+/// Contacts at rest to the bit.
+fn hold(situation: &mut Situation, series: &Series, pivots: &[Pivot]) {
+    for pivot in pivots {
         let sum = |entries: &Entries, x: &dyn Fn(usize) -> f64| -> f64 {
             entries.iter().map(|&(at, b)| b * x(at)).sum()
         };
@@ -161,7 +182,6 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
         let others = sum(&pivot.others, &|j| situation.coordinates[j].velocity);
         situation.coordinates[pivot.coordinate].velocity = (carried - others) / pivot.own;
     }
-    situation.closed = Some(closed);
 }
 
 /// The shared contacts that are closed.
@@ -184,6 +204,16 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
     let resting = holding.contacts.iter().copied();
     let mut resting: Vec<usize> = resting.filter(|&c| situation.contacts[c].rests()).collect();
     resting.sort_by_key(|&c| !situation.contacts[c].sticks());
-    let pivots = model.pivots(&model.independent(resting, |_| 0.0).contacts);
-    Closed { holding, pivots }
+    // One that nearly depends on them would magnify that rounding, and may slip.
+    let margin = |c: usize| match situation.contacts[c].sticks() {
+        true => 0.0,
+        false => -ARRIVING,
+    };
+    let exact = model.independent(resting.clone(), margin).contacts;
+    resting.retain(|c| !exact.contains(c));
+    Closed {
+        holding,
+        pivots: model.pivots(&exact),
+        left_out: resting,
+    }
 }

@@ -35,6 +35,8 @@ pub(super) struct Closed {
     pub(super) holding: Holding,
     /// A coordinate for each independent contact at rest: see [`Model::pivots`].
     pub(super) pivots: Vec<Pivot>,
+    /// Contacts at rest without one, because they depend, or nearly, on those that have.
+    pub(super) left_out: Vec<usize>,
 }
 
 /// Displacement and velocity of a coordinate. If the coordinate has its own closed contact, its

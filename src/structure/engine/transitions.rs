@@ -12,6 +12,7 @@ use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
 use super::expand::{expand, expand_further};
 use super::model::Model;
+use super::reconcile::hold_left_out;
 use super::series::Series;
 use super::sizes::{load_terms, terms};
 use super::springs::{ask_again, cut, revise_elastic};
@@ -29,14 +30,29 @@ pub(super) fn decide(
     series: &mut Series,
     disturbance: Disturbance,
 ) -> Result<(), Error> {
+    let closed = situation
+        .closed
+        .take_if(|_| disturbance != Disturbance::None);
+    decide_modes(model, situation, series, disturbance)?;
+    let left_out = closed.map_or_else(Vec::new, |closed| closed.left_out);
+    if hold_left_out(model, situation, series, &left_out) {
+        let expanded = expand(model, situation, series, ALL);
+        return expanded.map_err(|fault| fault.at(situation.reached(model, series)));
+    }
+    Ok(())
+}
+
+fn decide_modes(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    disturbance: Disturbance,
+) -> Result<(), Error> {
     let is_disturbed = disturbance != Disturbance::None;
     let may_jump = disturbance == Disturbance::Jump;
     cut(model, situation, series);
     let asks_shared = is_disturbed && !model.shared.is_empty();
     let mut decision = asks_shared.then(|| Decision::new(model, situation, series));
-    if asks_shared {
-        situation.closed = None;
-    }
     if is_disturbed {
         open_unloaded(model, situation, series, &mut decision)?;
     }
