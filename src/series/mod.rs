@@ -6,8 +6,10 @@
 // | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
 // | `event_distance.rs` | `EventDistance`: the first time at which a quantity reaches zero, apart from known roots at the start |
 // | `minima.rs` | where a series comes close to zero |
+// | `many.rs` | the values of two series at many times |
 
 mod event_distance;
+pub(crate) mod many;
 mod minima;
 mod roots;
 #[cfg(test)]

@@ -89,11 +89,11 @@ fn growth(structure: &Structure, start: &State, motion: &Trajectory<State>, end:
     for i in 0..2 * structure.len() {
         let mut beside = start.clone();
         let n = structure.len();
-        if i < n {
-            beside.displacements[i] += CHANGE;
-        } else {
-            beside.velocities[i - n] += CHANGE;
-        }
+        let number = match i.checked_sub(n) {
+            None => &mut beside.displacements[i],
+            Some(i) => &mut beside.velocities[i],
+        };
+        *number += CHANGE * number.abs().max(1.0);
         let Ok(other) = structure.simulate(beside, end) else {
             continue;
         };

@@ -26,9 +26,9 @@ pub(crate) trait LawObject {
     fn breakpoints(&self) -> Vec<f64>;
     /// μ(r, z).
     fn coefficient(&self, slip: Slip<f64>, memory: Memory<'_>) -> f64;
-    /// μ(r, z) at four sliding speeds, with direction and piece of `slip`; the memory by point,
-    /// then by variable.
-    fn at_four(&self, slip: Slip<[f64; 4]>, memory: &dyn Fn(usize, usize) -> f64) -> [f64; 4];
+    /// Replaces sliding speeds by μ(r, z), with direction and piece of `slip`; a speed below 0 by
+    /// that at 0. The memory by the number of the speed, then by variable.
+    fn values(&self, slip: Slip<()>, speeds: &mut [f64], memory: &dyn Fn(usize, usize) -> f64);
     /// μ_s(z).
     fn limit(&self, memory: Memory<'_>) -> Option<f64>;
     /// ∂μ_s/∂z_j; NaN for a law that never sticks.
@@ -121,20 +121,16 @@ impl<L: ContactLaw> LawObject for L {
         ContactLaw::coefficient(self, slip, Variables::from_fn(memory))
     }
 
-    fn at_four(&self, slip: Slip<[f64; 4]>, memory: &dyn Fn(usize, usize) -> f64) -> [f64; 4] {
-        let Slip {
-            speed: speeds,
-            direction,
-            piece,
-        } = slip;
-        std::array::from_fn(|i| {
+    fn values(&self, slip: Slip<()>, speeds: &mut [f64], memory: &dyn Fn(usize, usize) -> f64) {
+        for (i, value) in speeds.iter_mut().enumerate() {
             let slip = Slip {
-                speed: speeds[i],
-                direction,
-                piece,
+                // The same as `f64::max`, but faster.
+                speed: if *value > 0.0 { *value } else { 0.0 },
+                direction: slip.direction,
+                piece: slip.piece,
             };
-            ContactLaw::coefficient(self, slip, Variables::from_fn(|j| memory(i, j)))
-        })
+            *value = ContactLaw::coefficient(self, slip, Variables::from_fn(|j| memory(i, j)));
+        }
     }
 
     fn limit(&self, memory: Memory<'_>) -> Option<f64> {

@@ -9,6 +9,7 @@ use super::slow::relaxation;
 use super::state::{ContactState, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
+use crate::series::many::{Block, GROUPS, values_of};
 use crate::series::quarters;
 
 /// Ratio of the successive distances, from the place where a contact is slowest, at which the
@@ -51,15 +52,40 @@ pub(super) fn is_accepted(
     })
 }
 
-/// Calls `look` with places in a step that is longer than a unit of time, four at a time, at least
-/// every quarter of that unit.
-fn in_between(h: f64, unit: f64, look: &mut dyn FnMut([f64; 4])) {
-    if h > LONG * unit {
-        let fours = (h / unit).ceil().min(MOST_FOURS);
-        let part = 0.25 * h / fours;
-        for i in 0..fours as usize {
-            let start = i as f64 * 4.0 * part;
-            look([0.5, 1.5, 2.5, 3.5].map(|place| start + place * part));
+/// The times at which a step of length h is checked, four at a time: its quarters and, if it is
+/// longer than a unit of time, at least every quarter of that unit.
+#[derive(Clone, Copy)]
+struct Checks {
+    h: f64,
+    /// Number of groups.
+    count: usize,
+    /// Distance of the times between the quarters.
+    part: f64,
+}
+
+impl Checks {
+    fn new(h: f64, unit: f64) -> Self {
+        let fours = if h > LONG * unit {
+            (h / unit).ceil().min(MOST_FOURS)
+        } else {
+            0.0
+        };
+        Self {
+            h,
+            count: 1 + fours as usize,
+            part: 0.25 * h / fours,
+        }
+    }
+
+    /// The times of one group; those of the last one beyond.
+    #[inline(always)]
+    fn group(&self, k: usize) -> [f64; 4] {
+        match k.min(self.count - 1) {
+            0 => quarters(self.h),
+            k => {
+                let start = (k - 1) as f64 * 4.0 * self.part;
+                [0.5, 1.5, 2.5, 3.5].map(|place| start + place * self.part)
+            }
         }
     }
 }
@@ -85,61 +111,65 @@ impl ContactStep<'_> {
         let Some(slip) = self.state.slip(()) else {
             return true;
         };
-        let times = quarters(self.h);
-        let speeds = &self.series.speeds;
-        let (at_quarters, at_times) = self.defect(slip, &times);
+        let series = self.series;
+        let checks = Checks::new(self.h, self.unit);
+        let (mut at_quarters, mut between, mut at_times) = (0.0, 0.0, [0.0; 4]);
+        for first in (0..checks.count).step_by(GROUPS) {
+            let times = std::array::from_fn(|k| checks.group(first + k));
+            let values = values_of([&series.speeds, &series.friction], &times);
+            let count = GROUPS.min(checks.count - first);
+            let mut found = self.defects(slip, &times[..count], values);
+            if first == 0 {
+                (at_quarters, at_times) = (found[0], values[0][0]);
+                found[0] = 0.0;
+            }
+            between += found.iter().sum::<f64>();
+        }
         let mut at_minima = 0.0;
-        speeds.about_minima(self.h, at_times, &mut |times| {
-            at_minima += self.defect(slip, &times).0;
-        });
-        let mut between = 0.0;
-        in_between(self.h, self.unit, &mut |times| {
-            between += self.defect(slip, &times).0;
+        series.speeds.about_minima(self.h, at_times, &mut |times| {
+            let block = [times; GROUPS];
+            let values = values_of([&series.speeds, &series.friction], &block);
+            at_minima += self.defects(slip, &[times], values)[0];
         });
         self.allowance
             .accepts([at_quarters, at_minima, between], self.h)
     }
 
-    /// Largest |μ(s(t)) − μ(t)| at four times, where s(t) is the sliding speed, times the largest N
-    /// there: the defect of the series, up to terms as small as its last. The largest load is used,
-    /// so that a load that is 0 at one of these times does not hide a defect at another. Also
-    /// returns the speeds.
-    fn defect(&self, slip: Slip<()>, times: &[f64; 4]) -> (f64, [f64; 4]) {
+    /// Of each group of four times the largest |μ(s(t)) − μ(t)|, where s(t) is the sliding speed,
+    /// times the largest N there: the defect of the series, up to terms as small as its last. The
+    /// largest load is used, so that a load that is 0 at one of these times does not hide a defect
+    /// at another. `values` are those of s and of the series of σμ.
+    #[inline(always)]
+    fn defects(&self, slip: Slip<()>, times: &[[f64; 4]], values: [Block; 2]) -> [f64; GROUPS] {
         let Self {
             contact, series, ..
         } = self;
-        let speeds = series.speeds.at_four(*times);
-        let friction = if series.friction.is_constant() {
-            [series.friction[0]; 4]
-        } else {
-            series.friction.at_four(*times)
-        };
-        let slip = Slip {
-            // The same as `f64::max`, but faster.
-            speed: speeds.map(|speed| if speed > 0.0 { speed } else { 0.0 }),
-            direction: slip.direction,
-            piece: slip.piece,
-        };
-        let memory = &|i: usize, j: usize| series.memories[j].at(times[i]);
-        let values = contact.law.at_four(slip, memory);
-        let (mut largest, mut nothing) = (0.0, 0.0);
-        for i in 0..4 {
-            let difference = (values[i] * slip.direction - friction[i]).abs();
-            largest = if difference > largest {
-                difference
+        let [mut exact, friction] = values;
+        let exact = &mut exact[..times.len()];
+        let memory = &|i: usize, j: usize| series.memories[j].at(times.as_flattened()[i]);
+        contact.law.values(slip, exact.as_flattened_mut(), memory);
+        let mut defects = [0.0; GROUPS];
+        for (k, defect) in defects.iter_mut().enumerate().take(times.len()) {
+            let (mut largest, mut nothing) = (0.0, 0.0);
+            for i in 0..4 {
+                let difference = (exact[k][i] * slip.direction - friction[k][i]).abs();
+                largest = if difference > largest {
+                    difference
+                } else {
+                    largest
+                };
+                // Numbers that are not finite are not dropped.
+                nothing += 0.0 * difference;
+            }
+            let load = if series.load_varies {
+                let loads = series.load.at_some(times[k]).map(f64::abs);
+                loads.into_iter().fold(0.0, f64::max)
             } else {
-                largest
+                series.load[0].abs()
             };
-            // Numbers that are not finite are not dropped.
-            nothing += 0.0 * difference;
+            *defect = load * (largest + nothing);
         }
-        let load = if series.load_varies {
-            let loads = series.load.at_some(*times).map(f64::abs);
-            loads.into_iter().fold(0.0, f64::max)
-        } else {
-            series.load[0].abs()
-        };
-        (load * (largest + nothing), speeds)
+        defects
     }
 
     /// Returns true if the defect of the memory is accepted at the same places, and in slip at
@@ -154,10 +184,8 @@ impl ContactStep<'_> {
         }
         let h = self.h;
         let holds = |times| self.memory_holds(times, [h; 4]);
-        let mut accepted = holds(quarters(h));
-        in_between(h, self.unit, &mut |times| {
-            accepted = accepted && holds(times);
-        });
+        let checks = Checks::new(h, self.unit);
+        let mut accepted = (0..checks.count).all(|k| holds(checks.group(k)));
         if accepted && slips {
             let speeds = &self.series.speeds;
             let at_quarters = speeds.at_some(quarters(h));
