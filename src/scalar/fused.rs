@@ -3,9 +3,10 @@
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
 //! processor has it, so a build for all of them tests for it at run time. Only [`compute`] makes
 //! this test. It computes the series of a slip phase, of many masses and of perturbations, and the
-//! search for events and the defect of a structure. These uses give nearly all of the possible gain.
+//! search for events and the defect of a structure. These uses give nearly all of the possible
+//! gain.
 //!
-//! | target | a·b + c in `taylor.rs`, `lanes.rs`, `PowerSeries::survey`, `many.rs` | in everything else |
+//! | target | in `taylor.rs`, `lanes.rs`, `many.rs`, `PowerSeries::survey` | in all else |
 //! |---|---|---|
 //! | x86-64 built with `fma`; 64-bit ARM | fused | fused |
 //! | x86-64 | fused | two roundings |
