@@ -165,13 +165,14 @@ impl WithoutStops {
     /// [`ForcedOscillator`]'s units.
     pub fn at(&self, time: f64) -> (f64, f64) {
         let half = self.half_period();
-        let halves = (time / half).floor();
-        let [x, v] = self.on_half(time - halves * half);
-        let sign = if halves.rem_euclid(2.0) == 0.0 {
-            1.0
+        // The remainder is exact, however many periods have passed.
+        let time = time.rem_euclid(self.period());
+        let (sign, since) = if time < half {
+            (1.0, time)
         } else {
-            -1.0
+            (-1.0, time - half)
         };
+        let [x, v] = self.on_half(since);
         (sign * x, sign * v)
     }
 

@@ -84,7 +84,8 @@ pub struct PureSlip {
 }
 
 impl PureSlip {
-    /// Computes the coefficients for a system. `None` if v_b = 0, or if a coefficient overflows.
+    /// Computes the coefficients for a system. `None` if v_b = 0, or if a coefficient overflows or
+    /// underflows.
     pub fn new(system: &MassOnBelt<Polynomial>) -> Option<Self> {
         let (law, v_b) = (system.law(), system.belt_velocity());
         let v_m = law.minimum_velocity();
@@ -102,10 +103,10 @@ impl PureSlip {
             h2,
             h3: eta / 3.0 / v_m / v_m,
         };
-        let finite = [formulas.h1, formulas.h2, formulas.h3]
-            .iter()
-            .all(|h| h.is_finite());
-        (v_b != 0.0 && finite).then_some(formulas)
+        let finite = [formulas.h1, formulas.h2].iter().all(|h| h.is_finite());
+        let falls = system.load() > 0.0 && drop > 0.0;
+        let normal = [eta, formulas.h3].iter().all(|h| h.is_normal() || !falls);
+        (v_b != 0.0 && finite && normal).then_some(formulas)
     }
 
     /// Coefficient η = (3/2)γ²(μ_s − μ_m)/v_m: how steeply friction falls at small speeds.
@@ -152,7 +153,7 @@ impl PureSlip {
 
     /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the largest
     /// velocity of the pure-slip cycle equals the belt velocity. Dimensionless, relative error
-    /// O(ε⁴). `None` if 2β ≥ η.
+    /// O(ε⁴). `None` if 2β ≥ η, or if a term overflows.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;
@@ -168,6 +169,7 @@ impl PureSlip {
         let q = 0.8 * (self.eta - 2.0 * self.damping);
         self.stick_velocity()
             .map(|stick| stick * (1.0 + 3461.0 / 76800.0 * q * q))
+            .filter(|grazing| grazing.is_finite())
     }
 
     /// Amplitude A0 = √(−(4/3) h1/h3) = 2√(v_b1² − v_b²) of the averaged cycle, dimensionless.
@@ -212,25 +214,25 @@ impl PureSlip {
     }
 
     /// The cycle with all terms up to order ε: the averaged cycle, and the shift of its centre.
-    /// `None` if h1 ≥ 0. For errors and range see [`PureSlipCycle`].
+    /// `None` if h1 ≥ 0, or if a term overflows. For errors and range see [`PureSlipCycle`].
     pub fn first_order(&self) -> Option<PureSlipCycle> {
         self.cycle(1)
     }
 
-    /// The cycle with all terms up to order ε². `None` if h1 ≥ 0. For errors and range see
-    /// [`PureSlipCycle`].
+    /// The cycle with all terms up to order ε². `None` if h1 ≥ 0, or if a term overflows. For
+    /// errors and range see [`PureSlipCycle`].
     pub fn second_order(&self) -> Option<PureSlipCycle> {
         self.cycle(2)
     }
 
-    /// The cycle with the terms up to order ε³. `None` if h1 ≥ 0. For errors and range see
-    /// [`PureSlipCycle`].
+    /// The cycle with the terms up to order ε³. `None` if h1 ≥ 0, or if a term overflows. For
+    /// errors and range see [`PureSlipCycle`].
     pub fn third_order(&self) -> Option<PureSlipCycle> {
         self.cycle(3)
     }
 
-    /// The cycle with the terms up to order ε³, and the frequency up to order ε⁴. `None` if h1 ≥ 0.
-    /// For errors and range see [`PureSlipCycle`].
+    /// The cycle with the terms up to order ε³, and the frequency up to order ε⁴. `None` if h1 ≥ 0,
+    /// or if a term overflows. For errors and range see [`PureSlipCycle`].
     pub fn fourth_order(&self) -> Option<PureSlipCycle> {
         self.cycle(4)
     }
@@ -266,7 +268,7 @@ impl PureSlip {
         let first_harmonic = amplitude * (1.0 + through(2, (81.0 * b2 + 512.0 * a2) / 2048.0));
 
         let (z_max, z_min) = (middle + half_range, middle - half_range);
-        Some(PureSlipCycle {
+        let cycle = PureSlipCycle {
             u_max: self.equilibrium + z_max,
             u_min: self.equilibrium + z_min,
             u_mean: self.equilibrium + z_mean,
@@ -285,7 +287,21 @@ impl PureSlip {
                 a.abs() * amplitude / 6.0,
                 b * amplitude / 32.0,
             ],
-        })
+        };
+        let [_, second, third] = cycle.harmonics;
+        let numbers = [
+            cycle.u_max,
+            cycle.u_min,
+            cycle.u_mean,
+            cycle.v_max,
+            cycle.v_min,
+            first_harmonic,
+            second,
+            third,
+            frequency,
+            log_multiplier,
+        ];
+        numbers.iter().all(|x| x.is_finite()).then_some(cycle)
     }
 }
 

@@ -110,7 +110,7 @@ impl Transient {
     }
 
     /// State (u, v) = (ū + A sin ψ, A cos ψ), dimensionless. `None` if
-    /// [`amplitude`](Self::amplitude) is `None`.
+    /// [`amplitude`](Self::amplitude) is `None`, or if a sum overflows.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;
@@ -126,6 +126,7 @@ impl Transient {
         let (sine, cosine) = self.phase(time).sin_cos();
         self.amplitude(time)
             .map(|a| State::new(self.equilibrium + a * sine, a * cosine))
+            .filter(|state| state.displacement.is_finite())
     }
 }
 

@@ -192,7 +192,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// In slip the force is −γ²μ(v_r). In stick it is u + 2βv_b, the force that the contact
     /// transmits. If v_r is 0 and u lies outside the stick band, the result is the force just after
-    /// slip begins.
+    /// slip begins. If the law overflows at this speed, the result is ±∞; a law of the user that
+    /// returns NaN makes it NaN.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

@@ -82,7 +82,8 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless A and φ are finite and Ω is positive and finite.
+    /// [`Error::InvalidParameter`] unless A and φ are finite, Ω is positive and finite, and AΩ does
+    /// not overflow.
     pub fn harmonic(amplitude: f64, angular_frequency: f64, phase: f64) -> Result<Self, Error> {
         Self::constant(0.0).with_harmonic(amplitude, angular_frequency, phase)
     }
@@ -91,7 +92,8 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless A is finite and Ω is positive and finite.
+    /// [`Error::InvalidParameter`] unless A is finite, Ω is positive and finite, and AΩ does not
+    /// overflow.
     ///
     /// ```
     /// assert_eq!(stick_slip::Drive::sine(0.4, 0.7)?.value(0.0), 0.0);
@@ -203,8 +205,8 @@ impl Drive {
             "Drive",
             "amplitude",
             amplitude,
-            true,
-            "amplitudes with a finite sum",
+            (frequency * amplitude).is_finite(),
+            "amplitudes with a finite sum, and a slope that does not overflow",
         )?;
         if amplitude != 0.0 {
             self.harmonics.insert(place, new);
@@ -212,12 +214,14 @@ impl Drive {
         Ok(self)
     }
 
-    /// The value f(t) at a finite time, in the unit of the driven quantity.
+    /// The value f(t) at a finite time, in the unit of the driven quantity. The result is NaN if Ωt
+    /// overflows for an angular frequency Ω of the drive: double precision has no such phase.
     pub fn value(&self, time: f64) -> f64 {
         self.at(Clock::at(time))[0]
     }
 
-    /// The slope f'(t) at a finite time, in the unit of the driven quantity per unit of time.
+    /// The slope f'(t) at a finite time, in the unit of the driven quantity per unit of time; NaN
+    /// where the [value](Self::value) is.
     pub fn slope(&self, time: f64) -> f64 {
         self.at(Clock::at(time))[1]
     }

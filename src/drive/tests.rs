@@ -243,6 +243,14 @@ fn sums_and_slopes_that_overflow_and_points_out_of_order_are_refused() {
     assert!(Drive::constant(f64::MAX).with_constant(f64::MAX).is_err());
     let largest = Drive::sine(f64::MAX, 1.0).unwrap();
     assert!(largest.with_sine(f64::MAX, 1.0).is_err());
+    assert!(Drive::sine(1e200, 1e150).is_err());
+    let steep = Drive::sine(1e150, 1e158).unwrap();
+    let steep = steep.with_harmonic(1e150, 1e157, 1.0).unwrap();
+    for time in [0.0, 1.0, -1e100, 1e150] {
+        assert!(steep.value(time).abs() < 2e150 && steep.slope(time).is_finite());
+    }
+    // Beyond the largest number there is no phase.
+    assert!(steep.value(1e151).is_nan() && steep.slope(1e151).is_nan());
     let refused = |points: &[(f64, f64)]| Drive::profile(points).unwrap_err();
     let at = |points: &[(f64, f64)]| match refused(points) {
         Error::BadPoint { index, name, .. } => (index, name),

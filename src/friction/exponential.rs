@@ -44,14 +44,17 @@ pub struct Exponential {
     rate: f64,
 }
 
+/// The largest v_s: friction falls to μ_k before the square of the sliding speed overflows.
+const LARGEST: f64 = 1e150;
+
 impl Exponential {
     /// Creates a law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity
     /// v_s.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_k ≤ μ_s, v_s > 0, and 1/v_s² does
-    /// not overflow.
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_k ≤ μ_s, 0 < v_s ≤ 1e150, and
+    /// 1/v_s² does not overflow.
     pub fn new(
         static_coefficient: f64,
         kinetic_coefficient: f64,
@@ -64,8 +67,8 @@ impl Exponential {
             "Exponential",
             "stribeck_velocity",
             stribeck_velocity,
-            stribeck_velocity > 0.0 && rate.is_finite(),
-            "stribeck_velocity > 0, and not so small that 1/v_s² overflows",
+            0.0 < stribeck_velocity && stribeck_velocity <= LARGEST && rate.is_finite(),
+            "0 < stribeck_velocity ≤ 1e150, and not so small that 1/v_s² overflows",
         )?;
         Ok(Self {
             static_coefficient,

@@ -131,7 +131,8 @@ impl Iwan4 {
     }
 
     /// Energy D dissipated in one cycle between the displacements −A and A, with A ≥ 0. D is in
-    /// units of force times displacement. The result is NaN if A is negative or NaN.
+    /// units of force times displacement. The result is NaN if A is negative or NaN, and ∞ if D
+    /// overflows.
     ///
     /// ```text
     /// D(A) = 4R A^{χ+3}/((χ+2)(χ+3)) up to φ_max, and D(φ_max) + 4F_S(A − φ_max) from there on
@@ -143,9 +144,10 @@ impl Iwan4 {
         let longest = self.largest_break_free();
         let part = (amplitude / longest).min(1.0);
         let q = self.exponent + 1.0;
-        let factor = 4.0 * q / ((q + 1.0) * (q + 2.0) * self.scale());
-        let partial = self.slip_force * (factor * part.powf(q + 2.0)) * longest;
-        partial + 4.0 * self.slip_force * (amplitude - longest).max(0.0)
+        // At most 1, so that no product overflows before the energy does.
+        let factor = 2.0 * q / ((q + 1.0) * (q + 2.0) * self.scale());
+        let partial = 2.0 * (self.slip_force * (factor * part.powf(q + 2.0)) * longest);
+        partial + 4.0 * (self.slip_force * (amplitude - longest).max(0.0))
     }
 
     /// Elements that approximate the joint: springs with sliders, as pairs of a stiffness k_i and a

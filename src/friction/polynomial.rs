@@ -48,8 +48,8 @@ impl Polynomial {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_m ≤ μ_s, v_m > 0, and k1 and k3 do
-    /// not overflow.
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_m ≤ μ_s, v_m > 0, and k1 and k3
+    /// neither overflow nor underflow.
     pub fn new(
         static_coefficient: f64,
         minimum_coefficient: f64,
@@ -66,12 +66,13 @@ impl Polynomial {
         )?;
         let k1 = 1.5 * (mu_s - mu_m) / v_m;
         let k3 = 0.5 * (mu_s - mu_m) / v_m / v_m / v_m;
+        let in_range = [k1, k3].iter().all(|k| k.is_normal()) || mu_m == mu_s;
         Error::check(
             "Polynomial",
             "minimum_velocity",
             v_m,
-            v_m > 0.0 && k1.is_finite() && k3.is_finite(),
-            "minimum_velocity > 0, and not so small that (μ_s − μ_m)/v_m³ overflows",
+            v_m > 0.0 && in_range,
+            "minimum_velocity > 0, and (μ_s − μ_m)/v_m³ within the range of f64",
         )?;
         Ok(Self {
             static_coefficient,
@@ -100,6 +101,10 @@ impl FrictionLaw for Polynomial {
 
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        if self.k3 == 0.0 {
+            // Not 0 times the square, which may overflow.
+            return speed.constant(self.static_coefficient);
+        }
         (speed.square() * self.k3 - self.k1) * speed + self.static_coefficient
     }
 

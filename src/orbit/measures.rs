@@ -255,7 +255,7 @@ impl<S: System> Orbit<S> {
 
     /// Work and heat over one period, for each force, contact and damper. For a
     /// [`MassOnBelt`](crate::MassOnBelt) these are the values of
-    /// [`LimitCycle::energy`](crate::LimitCycle::energy).
+    /// [`LimitCycle::energy`](crate::LimitCycle::energy). A value that overflows is ±∞.
     pub fn energy(&self) -> &EnergyBudget {
         &self.measures.energy
     }

@@ -292,6 +292,39 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     // Coefficients that overflow.
     let huge = MassOnBelt::new(Polynomial::new(0.4, 0.25, 1e-100).unwrap(), 1e-100).unwrap();
     assert!(PureSlip::new(&huge.with_load(1e250).unwrap()).is_none());
+    // Coefficients that underflow.
+    assert!(PureSlip::new(&paper(0.2).with_load(1e-310).unwrap()).is_none());
+    let fast = MassOnBelt::new(Polynomial::new(0.4, 0.25, 1e90).unwrap(), 1e89).unwrap();
+    assert!(PureSlip::new(&fast.with_load(1e-50).unwrap()).is_none());
+    // Terms that overflow.
+    for load in [1e78, 1e100, 1e153, 1e200, 1e300] {
+        let strong = PureSlip::new(&paper(0.2).with_load(load).unwrap()).unwrap();
+        let first = strong.first_order().unwrap();
+        assert!(first.u_max.is_finite() && first.harmonics[1] > 0.0);
+        assert_eq!(strong.fourth_order(), None, "{load}");
+        for cycle in [strong.second_order(), strong.third_order()]
+            .into_iter()
+            .flatten()
+        {
+            let [_, second, third] = cycle.harmonics;
+            let numbers = [
+                cycle.v_min,
+                cycle.v_max,
+                cycle.u_max,
+                cycle.period,
+                second,
+                third,
+            ];
+            assert!(numbers.iter().all(|x| x.is_finite()), "{load}: {cycle:?}");
+        }
+        let grazing = strong.grazing_velocity();
+        assert_eq!(grazing.is_some(), load < 1e160, "{load}: {grazing:?}");
+    }
+    // A phase that overflows.
+    let late = PureSlip::new(&paper(0.42))
+        .unwrap()
+        .transient(0.1, f64::MAX);
+    assert_eq!(late.unwrap().state(f64::MAX), None);
     let strong = StickSlip::new(&paper(0.2).with_load(1e200).unwrap()).unwrap();
     assert!(strong.second_order().is_none());
 }

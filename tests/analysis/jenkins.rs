@@ -719,6 +719,18 @@ fn joints_have_their_limits() {
     assert!(uniform.dissipation(f64::NAN).is_nan() && uniform.dissipation(-1.0).is_nan());
     assert_eq!(uniform.dissipation(f64::INFINITY), f64::INFINITY);
     assert_eq!(uniform.backbone(5e-324), 1e-323);
+    // D(φ_max) = (4/3) F_S φ_max for χ = β = 0, also where 4F_S overflows; beyond the largest
+    // number D is infinite.
+    let strong = Iwan4::new(f64::MAX, f64::MAX, 0.0, 0.0).unwrap();
+    let longest = strong.largest_break_free();
+    assert_eq!(longest, 2.0);
+    assert_eq!(strong.dissipation(longest), f64::INFINITY);
+    let strong = Iwan4::new(f64::MAX, 2.0 * f64::MAX.sqrt(), 0.0, 0.0);
+    assert_eq!(strong.unwrap().dissipation(0.0), 0.0);
+    let short = Iwan4::new(f64::MAX, f64::MAX, 0.0, 0.0)
+        .unwrap()
+        .dissipation(0.125);
+    assert_abs_diff_eq!(short / f64::MAX, 0.125_f64.powi(3) / 3.0, epsilon = 1e-18);
     let refused = |n: usize, grid: f64| match uniform.elements(n, grid) {
         Err(Error::InvalidParameter { name, .. }) => name,
         other => panic!("{other:?}"),

@@ -524,6 +524,54 @@ fn table_is_constant_above_its_last_point() {
     assert_eq!(law.clone().with_static_coefficient(0.4).unwrap(), law);
 }
 
+/// However fast and however far, the force and the acceleration are numbers, or infinite where they
+/// overflow.
+#[test]
+fn forces_are_numbers_at_any_state() {
+    let table = || Tabulated::new([(0.0, 0.4), (0.5, 0.3), (1.0, 0.35)]).unwrap();
+    let stribeck = |exponent: u32| {
+        let law = Stribeck::new(0.4, 0.25, 0.5, exponent).unwrap();
+        law.with_viscous_coefficient(0.1).unwrap()
+    };
+    let rational = Rational::new(0.4, 1.0).unwrap();
+    let laws: Vec<AnyLaw> = vec![
+        Polynomial::new(0.4, 0.25, 0.5).unwrap().into(),
+        Polynomial::new(0.4, 0.25, 1e100).unwrap().into(),
+        Polynomial::new(0.4, 0.4, 0.5).unwrap().into(),
+        Exponential::new(0.4, 0.25, 0.5).unwrap().into(),
+        Exponential::new(0.4, 0.25, 1e150).unwrap().into(),
+        Coulomb::new(0.4, 0.25).unwrap().into(),
+        rational.into(),
+        rational.with_quadratic(0.1).unwrap().into(),
+        stribeck(1).into(),
+        stribeck(2).into(),
+        stribeck(3).into(),
+        table().into(),
+    ];
+    let sizes = [5e-324, 1e-200, 1e-154, 1.0, 1e154, 1e200, 1e300, f64::MAX];
+    for law in laws {
+        let system = MassOnBelt::new(law.clone(), 0.2).unwrap();
+        let system = system.with_damping(0.05).unwrap();
+        for (velocity, displacement) in sizes.iter().flat_map(|&v| sizes.map(|u| (v, u))) {
+            for (u, v) in [(displacement, velocity), (-displacement, velocity)] {
+                for state in [State::new(u, v), State::new(u, -v)] {
+                    let numbers = [system.friction_force(state), system.acceleration(state)];
+                    assert!(numbers.iter().all(|x| !x.is_nan()), "{law:?} {state:?}");
+                    let opposes = numbers[0] * (state.velocity - 0.2) <= 0.0;
+                    assert!(opposes, "{law:?} {state:?}");
+                }
+            }
+        }
+    }
+    // Friction of a law with the same coefficients is constant.
+    let flat = Polynomial::new(0.4, 0.4, 0.5).unwrap();
+    assert_eq!([0.0, 1.0, 1e200].map(|s| flat.kinetic(s)), [0.4; 3]);
+    // Up to the largest v_s, friction falls to μ_k before anything overflows.
+    let wide = Exponential::new(0.4, 0.25, 1e150).unwrap();
+    assert!((wide.kinetic(1e150) - (0.25 + 0.15 * (-1.0_f64).exp())).abs() < 1e-16);
+    assert_eq!(wide.kinetic(1e154), 0.25);
+}
+
 /// Every number that is refused: tests/contract/refusals.rs.
 #[test]
 fn borders_are_allowed() {

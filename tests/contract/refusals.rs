@@ -138,9 +138,9 @@ fn laws() -> Vec<Case> {
         "Polynomial" "static_coefficient" BELOW, |x| Polynomial::new(x, 0.2, 0.5);
         "Polynomial" "minimum_coefficient" NO_KINETIC, |x| Polynomial::new(0.4, x, 0.5);
         "Polynomial" "minimum_velocity" NOT_ABOVE, |x| Polynomial::new(0.4, 0.2, x);
-        // So small that derived numbers overflow.
-        "Polynomial" "minimum_velocity" &[1e-120], |x| Polynomial::new(0.4, 0.25, x);
-        "Exponential" "stribeck_velocity" &[1e-160], |x| Exponential::new(0.4, 0.25, x);
+        // So small or so large that derived numbers overflow or underflow.
+        "Polynomial" "minimum_velocity" &[1e-120, 1e120], |x| Polynomial::new(0.4, 0.25, x);
+        "Exponential" "stribeck_velocity" &[1e-160, 1e151], |x| Exponential::new(0.4, 0.25, x);
         "Exponential" "static_coefficient" BELOW, |x| Exponential::new(x, 0.2, 0.5);
         "Exponential" "kinetic_coefficient" NO_KINETIC, |x| Exponential::new(0.4, x, 0.5);
         "Exponential" "stribeck_velocity" NOT_ABOVE, |x| Exponential::new(0.4, 0.2, x);
@@ -238,6 +238,8 @@ fn systems() -> Vec<Case> {
         "Integrator" "start_time" &ANY, |x| Integrator::new().with_start_time(x);
         "Drive" "value" &ANY, |x| Drive::constant(1.0).with_constant(x);
         "Drive" "amplitude" &ANY, |x| Drive::sine(x, 1.0);
+        // A slope that overflows.
+        "Drive" "amplitude" &[1e200], |x| Drive::sine(x, 1e150);
         "Drive" "angular_frequency" NOT_ABOVE, |x| Drive::sine(1.0, x);
         "Drive" "amplitude" &ANY, |x| Drive::harmonic(x, 1.0, 0.0);
         "Drive" "angular_frequency" NOT_ABOVE, |x| Drive::harmonic(1.0, x, 0.0);

@@ -280,6 +280,23 @@ fn oscillators_out_of_range_have_no_answer() {
         assert_eq!(good.stick_slip(bad), None, "{bad}");
         assert_eq!(good.unstable_stick_slip(bad), None, "{bad}");
     }
+    // A rise so fast that a rest in units of its time overflows.
+    let kinetic = Coulomb::new(0.3, 0.3).unwrap();
+    let risen = |law: Dwell<Coulomb>| [law.static_coefficient(1e10), law.static_rate(1e10)];
+    let fast = 5e-324;
+    let hyperbolic = Dwell::hyperbolic(kinetic, 0.6, fast).unwrap();
+    assert_eq!(risen(hyperbolic), [0.6, 0.0]);
+    let exponential = Dwell::exponential(kinetic, 0.6, fast).unwrap();
+    assert_eq!(risen(exponential), [0.6, 0.0]);
+    let logarithmic = Dwell::logarithmic(kinetic, 0.01, fast).unwrap();
+    let expected = 0.3 + 0.01 * (10.0 * 10.0_f64.ln() - fast.ln());
+    assert_near("log", risen(logarithmic)[0], expected, 1.0);
+    assert!(
+        !oscillator(hyperbolic, 0.1)
+            .grazing_velocity()
+            .unwrap()
+            .is_nan()
+    );
     // As slow as one likes.
     let slow = good.stick_slip(1e-12).unwrap();
     assert_near(

@@ -137,7 +137,12 @@ impl<L: FrictionLaw> Dwell<L> {
 
     /// μ_s(θ) − μ_0, exact for small θ too, and its rate.
     pub(crate) fn rise(&self, rest: f64) -> [f64; 2] {
-        let theta = rest / self.time;
+        /// A rest after which the limit is reached to rounding; θ may overflow.
+        const LONG: f64 = 1e200;
+        let theta = match rest / self.time {
+            theta if theta > LONG => LONG,
+            theta => theta,
+        };
         let [rise, slope] = match self.form {
             Rise::Exponential(limit) => {
                 let largest = limit - self.law.static_coefficient();
@@ -147,7 +152,14 @@ impl<L: FrictionLaw> Dwell<L> {
                 let part = (limit - self.law.static_coefficient()) / (theta + 1.0);
                 [theta * part, part / (theta + 1.0)]
             }
-            Rise::Logarithmic(rate) => [theta.ln_1p() * rate, rate / (theta + 1.0)],
+            Rise::Logarithmic(rate) => {
+                let grown = if theta < LONG {
+                    theta.ln_1p()
+                } else {
+                    rest.ln() - self.time.ln()
+                };
+                [grown * rate, rate / (theta + 1.0)]
+            }
         };
         [rise, slope / self.time]
     }

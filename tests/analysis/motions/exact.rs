@@ -398,6 +398,40 @@ fn den_hartog() {
     );
 }
 
+/// The motion without stops has a state at every time, within its own range.
+#[test]
+fn den_hartog_at_any_time() {
+    for angular_frequency in [0.8, 0.5, 20.0] {
+        let oscillator = ForcedOscillator {
+            damping: 0.05,
+            angular_frequency,
+            kinetic_friction: 1e-6,
+            static_friction: 1e-6,
+            force: 1.0,
+        };
+        let motion = oscillator.without_stops().unwrap();
+        let period = motion.period();
+        for time in [1e10, 1e17, 1e154, 1e200, 1e308, f64::MAX] {
+            // The remainder of a division of numbers is exact.
+            let (x, v) = motion.at(time);
+            assert_eq!((x, v), motion.at(time % period), "{time}");
+            assert!(x.abs() <= motion.amplitude() * (1.0 + 1e-14), "{time}: {x}");
+            let (back, _) = motion.at(-time);
+            assert!(back.abs() <= motion.amplitude() * (1.0 + 1e-14), "{time}");
+        }
+        // Both ways from the largest displacement, k periods later.
+        let same = |a: f64, b: f64| (a - b).abs() < 1e-12 * motion.amplitude();
+        assert!(same(
+            motion.at(-0.25 * period).0,
+            motion.at(0.75 * period).0
+        ));
+        assert!(same(
+            motion.at(0.125 * period).0,
+            motion.at(1024.125 * period).0
+        ));
+    }
+}
+
 /// With less friction than the limit the undamped mass settles to the motion without stops, with
 /// more to one that stops.
 #[test]
