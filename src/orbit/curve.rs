@@ -388,6 +388,33 @@ impl Curve<'_> {
         }
     }
 
+    /// The entries of memory that law resets, of contacts that stick at the end of a trial but not
+    /// at its start, with their values at the end; `None` if there are none.
+    ///
+    /// If the release of such a contact passes the start of the period, the memory at the start
+    /// jumps from that of slip to that of the whole rest, which Newton's method does not know.
+    fn stopped_clocks(
+        &self,
+        y: &DVector<f64>,
+        trial: &TrialMotion,
+        modes: &[Mode],
+    ) -> Result<Option<Vec<(usize, f64)>>, Error> {
+        let after = trial.map.end_modes();
+        let sticks = |c: &usize| after[*c] == Mode::Stick && modes.get(*c) != Some(&Mode::Stick);
+        let mut sticking = (0..after.len()).filter(sticks).peekable();
+        if modes.is_empty() || sticking.peek().is_none() {
+            return Ok(None);
+        }
+        let end = vector(&trial.map.end, self.order);
+        let clocks = self.with(y, |form, _| {
+            let places = sticking.flat_map(|c| form.model.memory(c));
+            let places = places.map(|j| 2 * form.len() + j);
+            let reset = places.filter(|&place| self.weights[place] == 0.0);
+            Ok(reset.map(|place| (place, end[place])).collect::<Vec<_>>())
+        })?;
+        Ok((!clocks.is_empty()).then_some(clocks))
+    }
+
     /// The point of the curve on a plane, near a guess, by Newton's method.
     pub(super) fn solve(
         &self,
@@ -401,7 +428,14 @@ impl Curve<'_> {
         let mut before = f64::INFINITY;
         let mut steps = 0;
         loop {
-            let trial = self.trial(&y, &modes)?;
+            let mut trial = self.trial(&y, &modes)?;
+            if let Some(clocks) = self.stopped_clocks(&y, &trial, &modes)? {
+                for (place, value) in clocks {
+                    y[place] = value;
+                }
+                modes = trial.map.end_modes().to_vec();
+                trial = self.trial(&y, &modes)?;
+            }
             y.rows_mut(0, self.order)
                 .copy_from(&vector(&trial.map.start, self.order));
             let growth = trial.map.growth();

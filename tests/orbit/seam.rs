@@ -3,9 +3,13 @@
 use std::f64::consts::TAU;
 
 use stick_slip::nalgebra::Complex;
-use stick_slip::orbit::{Orbit, Oscillator, Period, shoot};
+use stick_slip::orbit::{
+    BifurcationKind, BranchEnd, Orbit, Oscillator, Period, follow, settle, shoot,
+};
 use stick_slip::structure::State;
-use stick_slip::{EventKind, System};
+use stick_slip::{
+    Contact, Coulomb, Drive, Dwell, Error, EventKind, Exponential, LuGre, Structure, System,
+};
 
 use crate::common::text;
 use crate::reading::{remembering, structure};
@@ -227,4 +231,166 @@ fn driven_motions_may_have_an_event_at_time_0() {
     }
     println!("{begun} events");
     assert!(begun > 30, "{begun}");
+}
+
+/// Two masses under a force of a phase, each on the ground or on a belt.
+fn with_phase(contacts: &[Contact], phase: f64) -> Result<Structure, Error> {
+    let mut system = Structure::new(&[1.0, 0.7])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, 0.1)?
+        .with_spring(0, 1, 1.3)?
+        .with_ground_damper(1, 0.05)?
+        .with_force(0, Drive::harmonic(0.8, 0.5, phase)?)?;
+    for contact in contacts {
+        system = system.with_contact(contact.clone())?;
+    }
+    Ok(system)
+}
+
+/// Along a branch over the phase of the force every event passes the start of the period, and
+/// nothing else changes.
+#[test]
+fn events_pass_the_start_along_a_branch() {
+    let dry = Coulomb::new(0.3, 0.3).unwrap();
+    let on = |contact: Result<Contact, Error>| contact.unwrap();
+    let sets = [
+        vec![on(Contact::new(0, Coulomb::new(0.5, 0.3).unwrap(), 0.6))],
+        vec![on(
+            Contact::new(0, dry, 0.6).and_then(|c| c.with_tangential_stiffness(5.0))
+        )],
+        vec![on(Contact::new(
+            0,
+            Dwell::exponential(dry, 0.5, 1.0).unwrap(),
+            0.6,
+        ))],
+        vec![on(Contact::new(
+            1,
+            Dwell::hyperbolic(dry, 0.5, 1.0).unwrap(),
+            1.0,
+        ))],
+        vec![on(Contact::new(
+            0,
+            Dwell::logarithmic(dry, 0.05, 0.1).unwrap(),
+            0.6,
+        ))],
+        vec![
+            on(Contact::new(
+                0,
+                Dwell::exponential(dry, 0.5, 1.0).unwrap(),
+                0.6,
+            ))
+            .on_belt(0.2),
+        ],
+        vec![
+            on(Contact::new(
+                0,
+                Dwell::exponential(dry, 0.5, 1.0).unwrap(),
+                0.4,
+            )),
+            on(Contact::new(
+                1,
+                Exponential::new(0.5, 0.3, 0.5).unwrap(),
+                0.5,
+            ))
+            .on_belt(0.3),
+        ],
+        vec![
+            on(Contact::new(
+                0,
+                Dwell::exponential(dry, 0.4, 1.0).unwrap(),
+                0.5,
+            )),
+            on(Contact::new(
+                1,
+                Dwell::hyperbolic(dry, 0.4, 0.5).unwrap(),
+                0.5,
+            )),
+        ],
+        vec![on(LuGre::new(
+            Exponential::new(0.5, 0.3, 0.5).unwrap(),
+            20.0,
+            0.3,
+            0.02,
+        )
+        .and_then(|law| Contact::new(0, law, 0.6)))],
+    ];
+    for (number, contacts) in sets.iter().enumerate() {
+        let family = |phase: f64| with_phase(contacts, phase);
+        let start = State::new(&[0.5, 0.2], &[0.0, 0.1]);
+        let first = settle(&family(1.0).unwrap(), &start, 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(family, 1.0, &first, 0.0..TAU).unwrap();
+        assert!(!first.events().is_empty(), "{number}");
+        assert_eq!(
+            branch.ends,
+            [BranchEnd::Range, BranchEnd::Range],
+            "{number}"
+        );
+        assert_eq!(
+            branch.bifurcations.len(),
+            0,
+            "{number}: {:?}",
+            branch.bifurcations
+        );
+        for point in &branch.points {
+            same(
+                &format!("{number}, phase {}", point.parameter),
+                &first,
+                &point.orbit,
+            );
+        }
+    }
+}
+
+/// Three masses under a force of a frequency and a phase, with a contact on a belt and one on the
+/// ground, whose static friction rises at rest.
+fn with_clocks(frequency: f64, phase: f64) -> Result<Structure, Error> {
+    let carried = Dwell::exponential(Coulomb::new(0.3, 0.3)?, 0.72, 1.5)?;
+    let resting = Dwell::exponential(Coulomb::new(0.39, 0.39)?, 0.79, 1.7)?;
+    Structure::new(&[1.25, 0.84, 1.24])?
+        .with_ground_spring(0, 0.86)?
+        .with_ground_spring(1, 1.66)?
+        .with_ground_spring(2, 1.22)?
+        .with_spring(0, 1, 0.575)?
+        .with_spring(1, 2, 1.76)?
+        .with_ground_damper(0, 0.12)?
+        .with_ground_damper(1, 0.145)?
+        .with_ground_damper(2, 0.13)?
+        .with_force(0, Drive::harmonic(0.625, frequency, phase)?)?
+        .with_force(2, 0.349)?
+        .with_contact(Contact::new(0, carried, 0.95)?.on_belt(0.478))?
+        .with_contact(Contact::new(1, resting, 1.116)?)
+}
+
+/// A branch does not depend on where the period begins, not even where its motions are unstable and
+/// the release of a contact with a clock of rest passes the start: there the clock at the start
+/// jumps from 0 to the whole rest.
+#[test]
+fn branches_do_not_depend_on_the_start_of_the_period() {
+    let begin = State::new(&[0.3; 3], &[0.1; 3]);
+    let at = with_clocks(0.77, 0.3).unwrap();
+    let settled = settle(&at, &begin, 400.0, Period::Driven(1)).unwrap();
+    let mut expected: Vec<(BifurcationKind, f64)> = Vec::new();
+    for part in [0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9] {
+        let phase = 0.3 + TAU * part;
+        let state = settled.trajectory().state_at(part * settled.period());
+        let system = with_clocks(0.77, phase).unwrap();
+        let first = shoot(&system, &state.unwrap(), Period::Driven(1)).unwrap();
+        let family = |frequency: f64| with_clocks(frequency, phase);
+        let branch = follow(family, 0.77, &first, 0.72..0.78).unwrap();
+        assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range], "{part}");
+        let found = branch.bifurcations.iter();
+        let found: Vec<_> = found.map(|at| (at.kind.clone(), at.parameter)).collect();
+        if expected.is_empty() {
+            expected = found.clone();
+        }
+        assert_eq!(found.len(), 6, "{part}: {found:?}");
+        for (found, expected) in found.iter().zip(&expected) {
+            assert_eq!(found.0, expected.0, "{part}");
+            // The derivative of the map is about 50, and rounding errors are 1e-15.
+            assert!(
+                (found.1 - expected.1).abs() < 1e-12,
+                "{part}: {found:?} {expected:?}"
+            );
+        }
+    }
 }
