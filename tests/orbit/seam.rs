@@ -379,7 +379,7 @@ fn branches_do_not_depend_on_the_start_of_the_period() {
         let branch = follow(family, 0.77, &first, 0.72..0.78).unwrap();
         assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range], "{part}");
         let found = branch.bifurcations.iter();
-        let found: Vec<_> = found.map(|at| (at.kind.clone(), at.parameter)).collect();
+        let found: Vec<_> = found.map(|at| (at.kind, at.parameter)).collect();
         if expected.is_empty() {
             expected = found.clone();
         }
