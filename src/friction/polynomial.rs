@@ -101,10 +101,6 @@ impl FrictionLaw for Polynomial {
 
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        if self.k3 == 0.0 {
-            // Not 0 times the square, which may overflow.
-            return speed.constant(self.static_coefficient);
-        }
         (speed.square() * self.k3 - self.k1) * speed + self.static_coefficient
     }
 

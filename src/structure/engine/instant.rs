@@ -3,6 +3,7 @@
 use super::contact::{ContactData, Site};
 use super::factor::Holding;
 use super::model::Model;
+use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::memory::Slip;
 use crate::motion::{Mode, Segment};
@@ -40,31 +41,6 @@ pub(crate) struct AtContact {
     pub(crate) surface: f64,
     /// w'.
     surface_rate: f64,
-}
-
-impl Instant {
-    /// Displacements, velocities and forces, each times a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
-        let State {
-            displacements,
-            velocities,
-            ..
-        } = &mut self.state;
-        let numbers = [displacements, velocities, &mut self.forces];
-        let contacts = self.contacts.iter_mut();
-        let contacts = contacts.flat_map(|at| {
-            [
-                &mut at.load,
-                &mut at.carried,
-                &mut at.velocity,
-                &mut at.surface,
-            ]
-        });
-        for number in numbers.into_iter().flatten().chain(contacts) {
-            *number *= factor;
-        }
-        self
-    }
 }
 
 impl<'a, 's> Forces<'a, 's> {
@@ -197,4 +173,11 @@ fn friction(
         piece: contact.piece_above(speed),
     };
     contact.law.coefficient(slip, memory)
+}
+
+impl ContactData<'_> {
+    /// N' of a closed contact.
+    pub(crate) fn load_rate(&self, time: Clock, velocities: &[f64]) -> f64 {
+        self.load.at(time)[1] + self.displacement_load(|j| velocities[j])
+    }
 }
