@@ -4,7 +4,8 @@
 //!
 //! A held motion is a smooth function of g = s(t*). Past a touch the held contact continues to slip
 //! for either sign of g, on the series of its step, which continue its law to small negative
-//! speeds. At the tangential end of a branch it sticks from t* on. Without holding, the motion
+//! speeds, perhaps after a stick of duration 0. At the tangential end of a branch it sticks from t*
+//! on. Without holding, the motion
 //! depends on the time of arrival (the root of s), which varies like √|g|. Held motions are real
 //! motions at g = 0, and past a touch also for g > 0.
 
@@ -32,8 +33,17 @@ pub(super) struct Hold {
     /// The approximate time since the start of the motion, and the largest distance from this time.
     pub(super) since: f64,
     pub(super) within: f64,
-    /// True if it sticks from there on.
-    pub(super) sticks: bool,
+    pub(super) then: Then,
+}
+
+/// What a held contact does from the minimum of its sliding speed on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Then {
+    Slips,
+    /// It slips on after a stick of duration 0. The motion is that of a contact that slips, but
+    /// perturbations lose their slip at the contact, as at the begin of any stick.
+    SlipsAfterRest,
+    Sticks,
 }
 
 /// A touch of a motion.
@@ -71,6 +81,20 @@ pub(super) fn speeds(
     let (velocities, surface) = (step.series(), contact.belt_velocity.series(step.clock()));
     let speed = |k: usize| contact.along(|j| velocities[j][k]) - surface[k];
     PowerSeries::from_fn(|k| side.sign() * speed(k))
+}
+
+/// The static coefficient of a contact, if it equals the kinetic one at speed 0.
+pub(super) fn common_limit(
+    form: &GeneralForm<'_>,
+    contact: usize,
+    side: Direction,
+    state: &State,
+) -> Option<f64> {
+    /// They are the same up to this part.
+    const SAME: f64 = 1e-9;
+    let memory = &state.memory[form.model.memory(contact)];
+    let (kinetic, limit) = form.model.contacts[contact].coefficients_at_rest(side, memory);
+    limit.filter(|limit| (limit - kinetic).abs() <= SAME * limit.abs())
 }
 
 /// The time of the minimum of a speed that falls at a time, behind that time.
@@ -125,6 +149,10 @@ pub(super) struct HeldFlow<'s> {
     /// The holds to come, each with the slope of its speed at the end of the last step.
     holds: Vec<(Hold, f64)>,
     pub(super) touches: Vec<Touch>,
+    /// A contact that has come to rest for no time at the start of the last step.
+    pub(super) touched: Option<usize>,
+    /// The rest of a step that was divided at the touch of a contact.
+    rest: Option<(usize, Step)>,
     /// Number of steps begun anew.
     renewed: usize,
 }
@@ -148,6 +176,8 @@ impl<'s> HeldFlow<'s> {
             start_time,
             holds: holds.iter().map(|hold| (*hold, 0.0)).collect(),
             touches: Vec::new(),
+            touched: None,
+            rest: None,
             renewed: 0,
         })
     }
@@ -185,7 +215,7 @@ impl<'s> HeldFlow<'s> {
         let hold = Hold { since, ..hold };
         let model = &self.form.model;
         let remembers = !model.memory(hold.contact).is_empty();
-        let is_unbounded = hold.sticks && (remembers || model.owner_of(hold.contact).is_none());
+        let is_unbounded = hold.then == Then::Sticks && remembers;
         self.touches.push(Touch {
             hold,
             speed,
@@ -223,10 +253,11 @@ impl<'s> HeldFlow<'s> {
             }
             if let Some(t) = found {
                 let hold = self.note(place, step.start_time() + t, speeds.at(t));
-                if hold.sticks {
-                    return self.caught(step.lasting(t), hold);
+                match hold.then {
+                    Then::Sticks => return self.caught(step.lasting(t), hold),
+                    Then::SlipsAfterRest => return Ok(self.divided(step, t, hold)),
+                    Then::Slips => continue,
                 }
-                continue;
             }
             let mut events = step.events().iter();
             let ends = |kind| matches!(kind, EventKind::Stick | EventKind::Crossing(_));
@@ -236,10 +267,9 @@ impl<'s> HeldFlow<'s> {
                 && let Some(t) = minimum_behind(&speeds, step.duration())
                 && near(t)
             {
-                let past = if hold.sticks {
-                    t
-                } else {
-                    self.past(&step, &hold, t)
+                let past = match hold.then {
+                    Then::Sticks => t,
+                    Then::Slips | Then::SlipsAfterRest => self.past(&step, &hold, t),
                 };
                 if past > reach_of(&step, self.form.len()) && self.renewed < MOST_RENEWED {
                     self.renewed += 1;
@@ -250,16 +280,29 @@ impl<'s> HeldFlow<'s> {
                     return Ok(step);
                 }
                 let hold = self.note(place, step.start_time() + t, speeds.at(t));
-                if hold.sticks {
+                if hold.then == Then::Sticks {
                     return self.caught(step.lasting(t), hold);
                 }
                 step = step.lasting(past);
                 self.begin_at_end(&step, None)?;
-                return Ok(step);
+                return Ok(match hold.then {
+                    Then::SlipsAfterRest => self.divided(step, t, hold),
+                    _ => step,
+                });
             }
             place += 1;
         }
         Ok(step)
+    }
+
+    /// The part of a step up to a touch. The rest is the next step.
+    fn divided(&mut self, step: Step, touch: f64, hold: Hold) -> Step {
+        if touch <= 0.0 {
+            self.touched = Some(hold.contact);
+            return step;
+        }
+        self.rest = Some((hold.contact, step.clone().from(touch)));
+        step.lasting(touch)
     }
 
     /// The step at whose end a contact sticks.
@@ -275,19 +318,16 @@ impl<'s> HeldFlow<'s> {
     /// After this time the force stays below the limit; otherwise the real contact would not stick
     /// either.
     fn put_on_limit(&self, state: &mut State, time: f64, hold: Hold) {
-        /// Limits are the same up to this part.
-        const SAME: f64 = 1e-9;
         let model = &self.form.model;
         let (contact, sign) = (&model.contacts[hold.contact], hold.side.sign());
-        let memory = &state.memory[model.memory(hold.contact)];
-        let (kinetic, limit) = contact.coefficients_at_rest(hold.side, memory);
-        let limit = limit.unwrap_or(f64::NAN);
+        let Some(limit) = common_limit(self.form, hold.contact, hold.side, state) else {
+            return;
+        };
         let Some(i) = model.owner_of(hold.contact) else {
             return;
         };
         let stiffness = model.stiffness.row(i).0;
-        let is_same = (limit - kinetic).abs() <= SAME * limit.abs();
-        if !(is_same && stiffness != 0.0) {
+        if stiffness == 0.0 {
             return;
         }
         let load = |contact: &ContactData<'_>| contact.load_at(time, |j| state.displacements[j]);
@@ -327,7 +367,9 @@ impl Iterator for HeldFlow<'_> {
     type Item = Result<Step, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let step = self.flow.next()?;
+        let (contact, step) = self.rest.take().unzip();
+        self.touched = contact;
+        let step = step.map_or_else(|| self.flow.next(), |step| Some(Ok(step)))?;
         if self.holds.is_empty() {
             return Some(step);
         }

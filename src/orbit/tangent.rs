@@ -73,7 +73,8 @@ impl<'s> TangentFlow<'s> {
     }
 
     /// The next step, cut at a time if it is longer. The tangents are those at its start; velocity
-    /// perturbations of a sticking contact are projected out.
+    /// perturbations of a contact that sticks, or that has come to rest there for no time, are
+    /// projected out.
     pub(super) fn fetch(&mut self, end: f64) -> Option<Result<Step, Error>> {
         let step = match self.flow.next()? {
             Ok(step) if step.end_time() > end => step.until(end),
@@ -86,12 +87,14 @@ impl<'s> TangentFlow<'s> {
         }
         if step.duration() > 0.0 {
             let (n, model) = (self.form.len(), &self.form.model);
-            for (c, mode) in step.modes().iter().enumerate() {
-                if let (Mode::Stick, Some(i)) = (mode, model.owner_of(c)) {
+            let touched = self.flow.touched;
+            let rests = |c: usize| step.modes()[c] == Mode::Stick || touched == Some(c);
+            for c in (0..step.modes().len()).filter(|&c| rests(c)) {
+                if let Some(i) = model.owner_of(c) {
                     self.tangents.row_mut(n + i).fill(0.0);
                 }
             }
-            let holding = model.holding(|c| step.modes()[c] == Mode::Stick);
+            let holding = model.holding(rests);
             if !holding.contacts.is_empty() {
                 for mut column in self.tangents.column_iter_mut() {
                     let mut velocities = column.rows_mut(n, n);

@@ -138,6 +138,23 @@ impl Step {
         }
     }
 
+    /// The rest of the step from a time since its start on.
+    pub(crate) fn from(self, since: f64) -> Self {
+        let shifted = |series: &PowerSeries| series.shifted(since);
+        let state = self.state_at(since);
+        Self {
+            start: self.start.after(since),
+            duration: self.duration - since,
+            ends: state
+                .numbers()
+                .chain(self.ends().1.iter().copied())
+                .collect(),
+            state: OnceLock::new(),
+            series: self.series.iter().map(shifted).collect(),
+            ..self
+        }
+    }
+
     /// The same step with a contact that comes to rest at its end, in a state there.
     pub(crate) fn coming_to_rest(self, contact: usize, state: State) -> Self {
         let mut step = self.ending_in(&state);

@@ -153,8 +153,14 @@ impl<'p> Plane<'p> {
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
 
+/// The unknowns of a solution are exact to this, in units of their scales.
+const EXACT: f64 = 1e-12;
+
 /// A step below this size keeps the derivatives of the one before.
 const COARSE: f64 = 1e-5;
+
+/// It keeps them as long as they shorten each step to this part of the one before.
+const CONTRACTION: f64 = 0.01;
 
 /// Steps below this size are rounding.
 const FINE: f64 = 1e-14;
@@ -214,12 +220,13 @@ pub(crate) fn solve<E: Equations>(
     let mut y = guess.clone();
     let mut known: Option<DMatrix<f64>> = None;
     let mut before = f64::INFINITY;
+    let mut contracts = true;
     let mut steps = 0;
     loop {
         let value = equations.value(&mut y, near)?;
         let residual = equations.residual(&y, &value);
         let jacobian = match &mut known {
-            Some(known) if before < COARSE => known,
+            Some(known) if before < COARSE && contracts => known,
             known => known.insert(equations.jacobian(&y, &value, plane.scale)?),
         };
         let rows = residual.len();
@@ -230,7 +237,12 @@ pub(crate) fn solve<E: Equations>(
             return Err(equations.lost(&y, &value));
         };
         let size = change.amax();
-        let is_small = residual.amax() <= equations.rounding(&value) && size <= COARSE;
+        // A residual has the rounding errors of the unknowns, magnified by its derivatives.
+        let rounding = equations.rounding(&value);
+        let mut rows_and_residuals = std::iter::zip(jacobian.row_iter(), &residual);
+        let is_small = size <= COARSE
+            && rows_and_residuals
+                .all(|(row, residual)| residual.abs() <= rounding.max(EXACT * row.amax()));
         if size <= FINE || (is_small && size >= 0.5 * before) {
             let mut right = DVector::zeros(rows + 1);
             right[rows] = 1.0;
@@ -252,6 +264,7 @@ pub(crate) fn solve<E: Equations>(
         if !(size <= 1.0 && falls && steps < MOST_STEPS) {
             return Err(equations.lost(&y, &value));
         }
+        contracts = size <= CONTRACTION * before;
         before = size;
         let next = &y + change.component_mul(plane.scale);
         let mut parameters = std::iter::zip(equations.parameters(), equations.ranges());

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::super::form::GeneralForm;
-use super::super::hold::{Hold, minimum_behind, speeds};
+use super::super::hold::{Hold, Then, common_limit, minimum_behind, speeds};
 use super::super::map::PeriodMap;
 use super::super::trial::TrialMotion;
 use super::events::margin;
@@ -90,11 +90,14 @@ struct Minimum {
     since: f64,
     /// The sliding speed there, in units of the size of the velocity.
     speed: f64,
-    /// True if the contact arrives there and sticks.
-    sticks: bool,
+    /// The time for which the contact sticks from there on.
+    rests: f64,
+    /// True if its static friction there is larger than the kinetic friction.
+    drops: bool,
 }
 
-/// The nearest touch of a motion; of those after which a contact sticks if `sticks`.
+/// The nearest touch of a motion, of those after which a contact sticks if `sticks` is true, and of
+/// the others if it is false.
 pub(super) fn touch(
     form: &GeneralForm<'_>,
     map: &PeriodMap,
@@ -102,15 +105,16 @@ pub(super) fn touch(
     sticks: Option<bool>,
 ) -> Option<Change> {
     let all = minima(form, map, period);
+    let lasts = |minimum: &Minimum| minimum.rests > LASTS * period;
     let mut near: Vec<_> = all
         .iter()
-        .filter(|minimum| sticks.is_none_or(|sticks| minimum.sticks == sticks))
+        .filter(|minimum| sticks.is_none_or(|sticks| lasts(minimum) == sticks))
         .collect();
     near.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
     let least = **near.first()?;
     near.retain(|minimum| {
         let apart = (minimum.speed - least.speed).abs();
-        minimum.sticks == least.sticks && apart <= ALIKE * least.speed.abs() + ROUNDING
+        lasts(minimum) == lasts(&least) && apart <= ALIKE * least.speed.abs() + ROUNDING
     });
     let holds = near.iter().enumerate().map(|(number, minimum)| Hold {
         number,
@@ -124,7 +128,13 @@ pub(super) fn touch(
                 .map(|other| other.since),
             period,
         ),
-        sticks: minimum.sticks,
+        then: if lasts(minimum) || (minimum.rests > 0.0 && minimum.drops) {
+            Then::Sticks
+        } else if minimum.rests > 0.0 {
+            Then::SlipsAfterRest
+        } else {
+            Then::Slips
+        },
     });
     Some(Change {
         kind: LocusKind::Grazing {
@@ -161,22 +171,23 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
                 continue;
             };
             let speeds = speeds(form, step, contact, side);
-            let mut note = |t: f64, sticks: bool| {
+            let mut note = |t: f64, rests: f64| {
                 minima.push(Minimum {
                     contact,
                     side,
                     since: step.start_time() + t - begins,
                     speed: speeds.at(t) / size,
-                    sticks,
+                    rests,
+                    drops: common_limit(form, contact, side, &step.end_state()).is_none(),
                 });
             };
             if falling == Some(side) && speeds[1] >= 0.0 {
-                note(0.0, false);
+                note(0.0, 0.0);
             }
             let slope = speeds.derivative();
             let _ = slope.sign_changes(step.duration(), &mut |t, rises| {
                 if rises {
-                    note(t, false);
+                    note(t, 0.0);
                 }
                 ControlFlow::Continue(())
             });
@@ -190,8 +201,7 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
                 && let Some(t) = minimum_behind(&speeds, step.duration())
                 && t - step.duration() <= WITHIN * period
             {
-                let rests = rest_of(map, event, period);
-                note(t, rests > LASTS * period);
+                note(t, rest_of(map, event, period));
             }
         }
     }
@@ -294,7 +304,7 @@ pub(super) fn arrivals(
                     side,
                     since: *time,
                     within: within(*time, own.iter().map(|event| event.0), period),
-                    sticks: true,
+                    then: Then::Sticks,
                 });
             }
         }

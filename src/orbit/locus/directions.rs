@@ -1,11 +1,12 @@
 //! A curve in both directions from its first point, and the points at which it ends.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::CurveOfMotions;
-use super::change::{sequence, touch};
+use super::change::{Change, sequence, touch};
 use super::found::{LocusEnd, SpecialKind};
 use crate::error::Error;
+use crate::numerics::least_norm::least_norm_by_rows;
 use crate::numerics::trace::{self, Equations, Plane, Point, trace};
 
 /// The first point, with the second parameter as given; at a turn of the curve, with the tangent
@@ -28,53 +29,86 @@ pub(super) fn first_point<E: Equations>(
 
 pub(super) type BothDirections<V> = (Vec<Point<V>>, Vec<(SpecialKind, Point<V>)>, [LocusEnd; 2]);
 
-/// The point just after the last point of a curve at which another change of events happens: there
-/// both conditions hold, in a motion with held contacts.
+/// The point near the last point of a curve at which another change of events happens: there both
+/// conditions hold, in a motion with held contacts. Newton's method solves them together, because
+/// the curve can be tangent to that of the change.
 fn meets<'f, E: CurveOfMotions<'f>>(
     curve: &E,
     last: &Point<E::Value>,
 ) -> Option<(SpecialKind, Point<E::Value>)> {
-    /// Limit of steps of the secant method, and the farthest point.
-    const MOST_STEPS: usize = 12;
-    const FAR: f64 = 1e-4;
+    /// The largest distance from the change, and from the last point, in units of the scales.
+    const NEAR: f64 = 1e-4;
+    const AWAY: f64 = 1e-3;
     let motions = curve.motions();
     let (trial, begin) = E::motion(&last.value);
-    let change = motions.with(motions.parameters(&last.y), |form| {
+    let found = motions.with(motions.parameters(&last.y), |form| {
         let (map, period) = (&trial.map, trial.period);
-        let touch = touch(form, map, period, Some(false));
-        let touch = touch.filter(|touch| touch.is_other(begin) && touch.size <= FAR);
-        let arrival =
-            || sequence(form, map, period).filter(|own| own.is_other(begin) && own.size <= FAR);
-        Ok(touch.or_else(arrival))
+        let is_near = |change: &Change| change.is_other(begin) && change.size <= NEAR;
+        let touch = touch(form, map, period, None).filter(is_near);
+        let change = touch.or_else(|| sequence(form, map, period).filter(is_near));
+        Ok(change.and_then(|change| Some((curve.kind_with(form, &change)?, change))))
     });
-    let change = change.ok()??;
-    let kind = curve.kind_with(&change)?;
+    let (kind, change) = found.ok()??;
+    let number = begin.holds.len();
     let near = curve.holding(&last.value, &change);
-    let at = |distance: f64| {
-        let (along, scale) = (&last.tangent, &last.scale);
-        let guess = &last.y + along.component_mul(scale) * distance;
-        let plane = Plane::beyond(&last.y, distance, along.clone(), along, scale);
-        let point = trace::solve(curve, &guess, &near, &plane).ok()?;
-        let trial = E::motion(&point.value).0;
-        let size = motions.with(motions.parameters(&point.y), |form| {
-            Ok(change.value(form, &trial.map, begin.holds.len()))
+    let begin = E::motion(&near).1;
+    let residual = |y: &DVector<f64>| -> Result<DVector<f64>, Error> {
+        let mut y = y.clone();
+        let value = curve.value(&mut y, &near)?;
+        let trial = motions.trial(&y, begin)?;
+        let distance = motions.with(motions.parameters(&y), |form| {
+            Ok(change.value(form, &trial.map, number))
         });
-        Some((distance, size.ok()??, point))
+        let distance = distance?.ok_or_else(|| curve.lost(&y, &value))?;
+        let residual = curve.residual(&y, &value);
+        let rows = residual.len();
+        Ok(residual.insert_row(rows, distance))
     };
-    let mut before = at(0.0)?;
-    let mut now = at(change.size.clamp(1e-10, FAR))?;
-    for _ in 0..MOST_STEPS {
-        let next = now.0 - now.1 * (now.0 - before.0) / (now.1 - before.1);
-        if !(next.is_finite() && next.abs() <= FAR) || (next - now.0).abs() <= f64::EPSILON {
-            break;
-        }
-        before = std::mem::replace(&mut now, at(next)?);
-    }
-    (now.1.abs() <= ZERO).then_some((kind, now.2))
+    let mut y = common_zero(residual, &last.y, &last.scale, AWAY).ok()??;
+    let value = curve.value(&mut y, &near).ok()?;
+    let mut point = last.clone();
+    point.value = curve.complete(&y, value).ok()?;
+    point.y = y;
+    Some((kind, point))
 }
 
-/// A second condition holds if it is 0 to rounding.
-const ZERO: f64 = 1e-12;
+/// The zero of functions near a guess, at most so far away, by Newton's method with differences.
+fn common_zero(
+    of: impl Fn(&DVector<f64>) -> Result<DVector<f64>, Error>,
+    guess: &DVector<f64>,
+    scale: &DVector<f64>,
+    away: f64,
+) -> Result<Option<DVector<f64>>, Error> {
+    /// Limit of steps; the increment for differences; steps below this size are rounding.
+    const MOST_STEPS: usize = 16;
+    const PART: f64 = 1e-6;
+    const ROUNDING: f64 = 1e-12;
+    /// Singular values below this part of the largest count as 0.
+    const SINGULAR: f64 = 1e-12;
+    let mut y = guess.clone();
+    let mut before = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let right = -of(&y)?;
+        let mut jacobian = DMatrix::zeros(right.len(), y.len());
+        for j in 0..y.len() {
+            let [mut low, mut high] = [y.clone(), y.clone()];
+            low[j] -= PART * scale[j];
+            high[j] += PART * scale[j];
+            jacobian.set_column(j, &((of(&high)? - of(&low)?) / (2.0 * PART)));
+        }
+        let Some(step) = least_norm_by_rows(jacobian, right, SINGULAR) else {
+            return Ok(None);
+        };
+        let size = step.amax();
+        y += step.component_mul(scale);
+        let is_near = (&y - guess).component_div(scale).amax() <= away;
+        if !is_near || size <= ROUNDING && size >= 0.1 * before {
+            return Ok(is_near.then_some(y));
+        }
+        before = size;
+    }
+    Ok(None)
+}
 
 /// The curve in both directions from a point.
 pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
@@ -107,12 +141,20 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
     } else {
         walk(&back)
     };
-    let ends = [end(&down), end(&up)];
+    let mut halves = [down, up];
+    let mut ends = [0, 1].map(|side| end(&halves[side]));
     let [before, after] = std::array::from_fn(|side| {
-        let last = [&down, &up][side].points.last().unwrap_or(first);
-        let may_meet = matches!(ends[side], LocusEnd::Jump | LocusEnd::Crawls { .. });
-        may_meet.then(|| meets(curve, last))?
+        let half = &mut halves[side];
+        let last = half.points.last().unwrap_or(first);
+        let (kind, point) = match ends[side] {
+            LocusEnd::Jump | LocusEnd::Crawls { .. } | LocusEnd::Lost { .. } => meets(curve, last)?,
+            _ => return None,
+        };
+        ends[side] = LocusEnd::Jump;
+        half.points.push(point.clone());
+        Some((kind, point))
     });
+    let [down, up] = halves;
     let special = down.special.into_iter().rev().chain(up.special);
     let special =
         special.filter_map(|(test, _, point)| Some((curve.special(test, &point)?, point)));

@@ -15,7 +15,7 @@ use std::ops::Range;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::form::GeneralForm;
-use super::super::hold::{Touch, speeds};
+use super::super::hold::{Hold, Then, Touch, common_limit, speeds};
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
@@ -51,7 +51,9 @@ pub(super) struct Held {
     /// The motion of a solution with its derivative, and its events except those that change.
     pub(super) trial: TrialMotion,
     sequence: Option<Sequence>,
-    multipliers: Vec<Complex<f64>>,
+    /// Of a solution: the products of 1 − μ of all multipliers μ, of the motion without the touch
+    /// and of that in which the contacts come to rest for a short time; NaN if there is none.
+    folds: [f64; 2],
 }
 
 /// The condition of a curve at a motion, and the times of its watched events.
@@ -130,8 +132,10 @@ impl EventCurve<'_> {
         begin: &FrozenStart,
     ) -> Result<(DVector<f64>, Held), Error> {
         let motions = &self.motions;
-        let trial = motions.trial(y, begin)?;
-        let (y, begin) = motions.begun(y, &trial, begin)?;
+        let mut begin = begin.clone();
+        begin.slip_on();
+        let trial = motions.trial(y, &begin)?;
+        let (y, begin) = motions.begun(y, &trial, &begin)?;
         let trial = motions.trial(&y, &begin)?;
         let held = self.held(&y, &begin, trial)?;
         Ok((y, held))
@@ -158,7 +162,7 @@ impl EventCurve<'_> {
             scalar: seen.scalar,
             events: events.collect(),
             sequence: None,
-            multipliers: Vec::new(),
+            folds: [f64::NAN; 2],
             trial,
         })
     }
@@ -226,6 +230,31 @@ impl EventCurve<'_> {
         residual.insert_row(rows, held.scalar)
     }
 
+    /// The start of the motion in which contacts that touch rest for no time; `None` if a contact
+    /// sticks, or remembers its rest.
+    fn resting(
+        &self,
+        y: &DVector<f64>,
+        trial: &TrialMotion,
+        begin: &FrozenStart,
+    ) -> Option<FrozenStart> {
+        let rests = self.motions.with_form(self.motions.parameters(y), |form| {
+            let start = &trial.map.start;
+            let rests = |hold: &Hold| {
+                hold.then == Then::Slips
+                    && form.model.memory(hold.contact).is_empty()
+                    && common_limit(&form, hold.contact, hold.side, start).is_some()
+            };
+            Ok(begin.holds.iter().all(rests))
+        });
+        rests.ok().filter(|rests| *rests)?;
+        let mut begin = begin.clone();
+        for hold in &mut begin.holds {
+            hold.then = Then::SlipsAfterRest;
+        }
+        Some(begin)
+    }
+
     /// The events except those that are held or watched.
     fn sequence(&self, trial: &TrialMotion, begin: &FrozenStart) -> Sequence {
         let begins = trial.map.steps.first().map_or(0.0, Segment::start_time);
@@ -264,10 +293,11 @@ impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
     fn holding(&self, held: &Held, change: &Change) -> Held {
         let mut held = held.clone();
         held.begin.add(change);
+        held.begin.slip_on();
         held
     }
 
-    fn kind_with(&self, _: &Change) -> Option<SpecialKind> {
+    fn kind_with(&self, _: &GeneralForm<'_>, _: &Change) -> Option<SpecialKind> {
         Some(SpecialKind::DoubleGrazing)
     }
 
@@ -375,8 +405,16 @@ impl Equations for EventCurve<'_> {
         if held.sequence.as_ref().is_some_and(is_other) || (is_free && !trial.returns(None)) {
             return Err(motions.lost(y, &trial));
         }
-        let multipliers = trial.map.multipliers(is_free);
-        held.multipliers = multipliers.ok_or_else(|| motions.lost(y, &trial))?;
+        let folds = |trial: &TrialMotion| {
+            let multipliers = trial.map.multipliers(is_free)?;
+            let factors = multipliers.iter().map(|m| Complex::from(1.0) - m);
+            Some(factors.product::<Complex<f64>>().re)
+        };
+        held.folds[0] = folds(&trial).ok_or_else(|| motions.lost(y, &trial))?;
+        held.folds[1] = match self.resting(y, &trial, &held.begin) {
+            Some(begin) => folds(&motions.trial(y, &begin)?).unwrap_or(f64::NAN),
+            None => f64::NAN,
+        };
         held.sequence = Some(sequence);
         held.begin.holds = trial.map.touches.iter().map(|touch| touch.hold).collect();
         motions.settle(y, &trial, &mut held.begin)?;
@@ -402,12 +440,10 @@ impl Equations for EventCurve<'_> {
     }
 
     fn tests(&self, point: &Point<Held>) -> Vec<f64> {
-        let LocusKind::Grazing { .. } = self.kind else {
-            return Vec::new();
-        };
-        let one = Complex::from(1.0);
-        let multipliers = point.value.multipliers.iter();
-        vec![multipliers.map(|m| one - m).product::<Complex<f64>>().re]
+        match self.kind {
+            LocusKind::Grazing { .. } => point.value.folds.to_vec(),
+            _ => Vec::new(),
+        }
     }
 
     fn ends_at(&self, _: usize) -> bool {

@@ -25,6 +25,7 @@ use self::smooth::{Smooth, SmoothCurve};
 use self::start::FrozenStart;
 use super::branch::{Bifurcation, BifurcationKind};
 use super::curve::FamilyMember;
+use super::form::GeneralForm;
 use super::hold::Touch;
 use super::map::vector;
 use super::oscillator::Oscillator;
@@ -400,5 +401,5 @@ trait CurveOfMotions<'f>: Equations {
     fn holding(&self, value: &Self::Value, change: &Change) -> Self::Value;
 
     /// The kind of special point at which another change of events happens.
-    fn kind_with(&self, change: &Change) -> Option<SpecialKind>;
+    fn kind_with(&self, form: &GeneralForm<'_>, change: &Change) -> Option<SpecialKind>;
 }

@@ -53,7 +53,10 @@ const MOST_TRIALS: usize = 200_000;
 
 /// Increments for differences, in units of the sizes: about the third root of ε, and shorter ones
 /// near a change of the event sequence.
-const PARTS: [f64; 3] = [6e-6, 1e-7, 1e-9];
+const PARTS: [f64; 5] = [6e-6, 6e-7, 6e-8, 6e-9, 6e-10];
+
+/// Part of an increment.
+const BESIDE: f64 = 0.1;
 
 impl<'f> Motions<'f> {
     pub(super) fn new(
@@ -286,25 +289,30 @@ impl<'f> Motions<'f> {
                 residual: beside.map.residual(),
             })
         };
-        let here = || {
-            Some(MotionDerivatives {
-                by_start: self.by_start(&trial.map),
-                residual: trial.map.residual(),
-            })
+        let here = || MotionDerivatives {
+            by_start: self.by_start(&trial.map),
+            residual: trial.map.residual(),
         };
-        PARTS.iter().find_map(|part| {
-            let step = part / (growth * growth) / length;
-            let (low, high) = match (beside(-step), beside(step)) {
-                (None, None) => return None,
-                (None, high) => ((0.0, here()), (step, high)),
-                (low, None) => ((-step, low), (0.0, here())),
-                (low, high) => ((-step, low), (step, high)),
-            };
-            let (below, above, width) = (low.1?, high.1?, high.0 - low.0);
-            Some(MotionDerivatives {
-                by_start: (above.by_start - below.by_start) / width,
-                residual: (above.residual - below.residual) / width,
+        let steps = PARTS.map(|part| part / (growth * growth) / length);
+        let both = |step: f64| Some((beside(-step)?, beside(step)?, 2.0 * step));
+        let central = steps.iter().find_map(|&step| {
+            let pair = both(step)?;
+            if step == steps[0] {
+                return Some(pair);
+            }
+            // The derivatives change fast beside the change of events.
+            both(BESIDE * step).or(Some(pair))
+        });
+        let pair = central.or_else(|| {
+            steps.iter().rev().find_map(|&step| {
+                let low = beside(-step).map(|low| (low, here(), step));
+                low.or_else(|| Some((here(), beside(step)?, step)))
             })
+        });
+        let (below, above, width) = pair?;
+        Some(MotionDerivatives {
+            by_start: (above.by_start - below.by_start) / width,
+            residual: (above.residual - below.residual) / width,
         })
     }
 

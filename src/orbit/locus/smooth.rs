@@ -15,6 +15,8 @@ use std::ops::Range;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::super::form::GeneralForm;
+use super::super::hold::{Hold, Then};
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
@@ -247,9 +249,16 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         motion
     }
 
-    fn kind_with(&self, change: &Change) -> Option<SpecialKind> {
+    fn kind_with(&self, form: &GeneralForm<'_>, change: &Change) -> Option<SpecialKind> {
+        let mut holds = change.holds.iter();
+        // A memory that begins at an arrival makes the derivative unbounded where the arrival
+        // becomes tangential.
+        let is_bounded =
+            |hold: &Hold| hold.then == Then::Slips || form.model.memory(hold.contact).is_empty();
         match (self.kind, change.kind) {
-            (Smooth::Fold, LocusKind::Grazing { .. }) => Some(SpecialKind::FoldGrazing),
+            (Smooth::Fold, LocusKind::Grazing { .. }) if holds.all(is_bounded) => {
+                Some(SpecialKind::FoldGrazing)
+            }
             _ => None,
         }
     }

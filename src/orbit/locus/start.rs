@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 
 use super::super::curve::sharpest;
-use super::super::hold::Hold;
+use super::super::hold::{Hold, Then};
 use super::super::map::{self, PeriodMap, held_period_map, vector};
 use super::super::translation::Turning;
 use super::super::trial::TrialMotion;
@@ -79,6 +79,13 @@ impl FrozenStart {
         });
         self.holds.extend(holds);
         self.marks.extend(&change.marks);
+    }
+
+    /// Lets contacts slip on past their touches without a rest.
+    pub(super) fn slip_on(&mut self) {
+        let holds = self.holds.iter_mut();
+        let rest = holds.filter(|hold| hold.then == Then::SlipsAfterRest);
+        rest.for_each(|hold| hold.then = Then::Slips);
     }
 }
 
