@@ -18,6 +18,7 @@ mod derivatives;
 mod dwell;
 mod elastic;
 mod event_loci;
+mod fold_grazing;
 mod follow;
 mod formulas;
 mod hopf_loci;
