@@ -63,6 +63,13 @@ impl Hold {
         Self { since, ..self }
     }
 
+    /// Returns true if the contact may rest at the touch for no time: its static friction is not
+    /// larger than the kinetic one, and nothing remembers the rest.
+    pub(super) fn may_rest(&self, form: &GeneralForm<'_>, state: &State) -> bool {
+        let remembers = !form.model.memory(self.contact).is_empty();
+        !remembers && common_limit(form, self.contact, self.side, state).is_some()
+    }
+
     /// The sliding speed along a step, if the contact slips there in its direction.
     pub(super) fn speeds(&self, form: &GeneralForm<'_>, step: &Step) -> Option<PowerSeries> {
         let slips = step.modes().get(self.contact) == Some(&Mode::Slip(self.side));
@@ -84,7 +91,7 @@ pub(super) fn speeds(
 }
 
 /// The static coefficient of a contact, if it equals the kinetic one at speed 0.
-pub(super) fn common_limit(
+fn common_limit(
     form: &GeneralForm<'_>,
     contact: usize,
     side: Direction,
@@ -215,7 +222,8 @@ impl<'s> HeldFlow<'s> {
         let hold = Hold { since, ..hold };
         let model = &self.form.model;
         let remembers = !model.memory(hold.contact).is_empty();
-        let is_unbounded = hold.then == Then::Sticks && remembers;
+        let is_unbounded =
+            hold.then == Then::Sticks && (remembers || model.owner_of(hold.contact).is_none());
         self.touches.push(Touch {
             hold,
             speed,

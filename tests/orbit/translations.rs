@@ -485,3 +485,174 @@ fn sensitivities_of_translated_motions_are_difference_quotients() {
         );
     }
 }
+
+/// Two equal inertias on dampers to the ground drift under constant torques. Their relative motion
+/// is that of one mass on a spring and a damper, under half the alternating torque, with the same
+/// contact. This motion is plainly periodic, and has the same curves in two parameters.
+mod loci {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use stick_slip::Stribeck;
+    use stick_slip::orbit::{Locus, LocusEnd, SpecialKind, locus};
+
+    /// The mean velocity of the shaft.
+    const DRIFT: f64 = 0.3;
+
+    /// The shaft, and the mass in its place, with a spring, a damper, a contact and the amplitude
+    /// and frequency of a force.
+    fn shaft(
+        [spring, damper]: [f64; 2],
+        contact: Contact,
+        [force, frequency]: [f64; 2],
+    ) -> Result<Structure, Error> {
+        let bearing = 0.3 * damper;
+        let drift = || Drive::harmonic(0.0, 1.0, 0.0)?.with_constant(bearing * DRIFT);
+        let torque = match force {
+            0.0 => drift()?,
+            force => {
+                Drive::harmonic(2.0 * force, frequency, 0.0)?.with_constant(bearing * DRIFT)?
+            }
+        };
+        Structure::new(&[2.0, 2.0])?
+            .with_ground_damper(0, bearing)?
+            .with_ground_damper(1, bearing)?
+            .with_spring(0, 1, spring)?
+            .with_damper(0, 1, damper - 0.5 * bearing)?
+            .with_force(0, torque)?
+            .with_force(1, drift()?)?
+            .with_contact(contact)
+    }
+
+    fn mass(
+        [spring, damper]: [f64; 2],
+        contact: Contact,
+        [force, frequency]: [f64; 2],
+    ) -> Result<Structure, Error> {
+        let mass = Structure::new(&[1.0])?
+            .with_ground_spring(0, spring)?
+            .with_ground_damper(0, damper)?
+            .with_contact(contact)?;
+        match force {
+            0.0 => Ok(mass),
+            force => mass.with_force(0, Drive::harmonic(force, frequency, 0.0)?),
+        }
+    }
+
+    /// The bifurcations of a kind in a branch, in the order of the parameter.
+    fn of_kind(
+        family: impl Fn(f64, f64) -> Result<Structure, Error>,
+        kind: BifurcationKind,
+        (start, second): (f64, f64),
+        motion: &Orbit<Structure>,
+        range: std::ops::Range<f64>,
+    ) -> Vec<Bifurcation<Structure>> {
+        let branch = follow(|first| family(first, second), start, motion, range).unwrap();
+        let mut found = branch.bifurcations;
+        found.retain(|found| found.kind == kind);
+        found.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
+        found
+    }
+
+    /// The special points and the ends of a curve, in the order of the first parameter.
+    fn marks(locus: &Locus<Structure>) -> Vec<([f64; 2], String)> {
+        let special = locus.special.iter();
+        let special = special.map(|point| (point.parameters, point.kind.to_string()));
+        let last = [0, locus.points.len() - 1];
+        let ends = std::iter::zip(&locus.ends, last).map(|(end, i)| match end {
+            LocusEnd::Hopf { parameters } => (*parameters, "Hopf".to_string()),
+            LocusEnd::Ranges | LocusEnd::Jump => (locus.points[i].parameters, format!("{end:?}")),
+            _ => panic!("{:?}", locus.ends),
+        });
+        let mut marks: Vec<_> = special.chain(ends).collect();
+        marks.sort_by(|a, b| a.1.cmp(&b.1).then(a.0[0].total_cmp(&b.0[0])));
+        marks
+    }
+
+    /// Asserts that two curves are the same.
+    fn assert_same(a: &Locus<Structure>, b: &Locus<Structure>) {
+        assert_eq!(a.kind, b.kind);
+        let [a, b] = [a, b].map(marks);
+        assert_eq!(a.len(), b.len(), "{a:?} {b:?}");
+        for ((found, kind), (known, other)) in std::iter::zip(a, b) {
+            assert_eq!(kind, other);
+            // Cusps are computed from differences. Hopf points are extrapolated from small motions:
+            // rounding beside a drift, which does not shrink, is larger.
+            let accuracy = match &kind[..] {
+                "cusp" => 1e-9,
+                "Hopf" => 1e-6,
+                _ => 1e-11,
+            };
+            for (found, known) in std::iter::zip(found, known) {
+                let error = (found / known - 1.0).abs();
+                assert!(error < accuracy, "{kind}: {found} {known}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_a_forced_shaft_are_those_of_its_relative_motion() {
+        let law = || Stribeck::new(0.5, 0.25, 0.3, 2).unwrap();
+        let relative = |hertz: f64, force: f64| {
+            let contact = Contact::new(0, law(), 30.0)?.on_belt(0.25);
+            mass([1e4, 6.0], contact, [force, TAU * hertz])
+        };
+        let whole = |hertz: f64, force: f64| {
+            let contact = Contact::between(0, 1, law(), 30.0)?.on_belt(0.25);
+            shaft([1e4, 6.0], contact, [force, TAU * hertz])
+        };
+        let (hertz, force) = (17.0, 8.0);
+        let start = State::at_rest(1);
+        let period = Period::Driven(1);
+        let plain = settle(&relative(hertz, force).unwrap(), &start, 10.0, period).unwrap();
+        let start = State::new(&[0.0; 2], &[DRIFT; 2]);
+        let drifts = settle(&whole(hertz, force).unwrap(), &start, 10.0, period).unwrap();
+        let ranges = [8.0..30.0, 0.05..40.0];
+        for kind in [BifurcationKind::Fold, BifurcationKind::Grazing] {
+            let at = (hertz, force);
+            let known = of_kind(relative, kind, at, &plain, 8.0..30.0);
+            let found = of_kind(whole, kind, at, &drifts, 8.0..30.0);
+            assert_eq!([known.len(), found.len()], [2, 2]);
+            for (known, found) in std::iter::zip(&known, &found) {
+                let known = locus(relative, known, force, ranges.clone()).unwrap();
+                let found = locus(whole, found, force, ranges.clone()).unwrap();
+                assert_same(&found, &known);
+            }
+        }
+    }
+
+    #[test]
+    fn of_a_shaft_that_vibrates_by_itself_are_those_of_its_relative_motion() {
+        let law = || Exponential::new(0.4, 0.25, 0.5).unwrap();
+        let relative = |belt: f64, damper: f64| {
+            let contact = Contact::new(0, law(), 1.0)?.on_belt(belt);
+            mass([1.0, damper], contact, [0.0, 0.0])
+        };
+        let whole = |belt: f64, damper: f64| {
+            let contact = Contact::between(0, 1, law(), 1.0)?.on_belt(belt);
+            shaft([1.0, damper], contact, [0.0, 0.0])
+        };
+        // A pure-slip cycle near a fold.
+        let (belt, damper, place) = (0.7703842327935547, 0.109738820315199, 0.8778922296352182);
+        let period = Period::Free(6.2915);
+        let start = State::new(&[place], &[0.0]);
+        let plain = shoot(&relative(belt, damper).unwrap(), &start, period).unwrap();
+        let start = State::new(&[0.5 * place, -0.5 * place], &[DRIFT; 2]);
+        let drifts = shoot(&whole(belt, damper).unwrap(), &start, period).unwrap();
+        assert!((drifts.mean_velocity(0) - DRIFT).abs() < 1e-12);
+        for kind in [BifurcationKind::Fold, BifurcationKind::Grazing] {
+            let at = (belt, damper);
+            let known = of_kind(relative, kind, at, &plain, 0.5..1.6);
+            let found = of_kind(whole, kind, at, &drifts, 0.5..1.6);
+            let (known, found) = (known.last().unwrap(), found.last().unwrap());
+            let ranges = [0.5..1.6, 0.03..0.2];
+            let known = locus(relative, known, damper, ranges.clone()).unwrap();
+            let found = locus(whole, found, damper, ranges).unwrap();
+            if kind == BifurcationKind::Fold {
+                let mut special = found.special.iter();
+                assert!(special.any(|point| point.kind == SpecialKind::FoldGrazing));
+            }
+            assert_same(&found, &known);
+        }
+    }
+}

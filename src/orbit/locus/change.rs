@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::super::form::GeneralForm;
-use super::super::hold::{Hold, Then, common_limit, minimum_behind, speeds};
+use super::super::hold::{Hold, Then, minimum_behind, speeds};
 use super::super::map::PeriodMap;
 use super::super::trial::TrialMotion;
 use super::events::margin;
@@ -92,8 +92,6 @@ struct Minimum {
     speed: f64,
     /// The time for which the contact sticks from there on.
     rests: f64,
-    /// True if its static friction there is larger than the kinetic friction.
-    drops: bool,
 }
 
 /// The nearest touch of a motion, of those after which a contact sticks if `sticks` is true, and of
@@ -128,12 +126,10 @@ pub(super) fn touch(
                 .map(|other| other.since),
             period,
         ),
-        then: if lasts(minimum) || (minimum.rests > 0.0 && minimum.drops) {
-            Then::Sticks
-        } else if minimum.rests > 0.0 {
-            Then::SlipsAfterRest
-        } else {
-            Then::Slips
+        then: match minimum.rests {
+            _ if lasts(minimum) => Then::Sticks,
+            0.0 => Then::Slips,
+            _ => Then::SlipsAfterRest,
         },
     });
     Some(Change {
@@ -165,9 +161,10 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
     for contact in (0..form.contacts()).filter(|&c| form.holds(c)) {
         let size = form.model.contacts[contact].size_along(|j| sizes[form.len() + j]);
         let mut falling: Option<Direction> = None;
+        let mut slips = false;
         for step in map.steps.iter().filter(|step| !step.series().is_empty()) {
             let (Mode::Slip(side), true) = (step.modes()[contact], step.duration() > 0.0) else {
-                falling = None;
+                (falling, slips) = (None, false);
                 continue;
             };
             let speeds = speeds(form, step, contact, side);
@@ -178,7 +175,6 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
                     since: step.start_time() + t - begins,
                     speed: speeds.at(t) / size,
                     rests,
-                    drops: common_limit(form, contact, side, &step.end_state()).is_none(),
                 });
             };
             if falling == Some(side) && speeds[1] >= 0.0 {
@@ -186,11 +182,13 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
             }
             let slope = speeds.derivative();
             let _ = slope.sign_changes(step.duration(), &mut |t, rises| {
-                if rises {
+                // After a release the speed rises from 0, with a slope of 0 to rounding.
+                if rises && (slips || t > ROUNDING * period) {
                     note(t, 0.0);
                 }
                 ControlFlow::Continue(())
             });
+            slips = true;
             falling = (slope.at(step.duration()) < 0.0).then_some(side);
             let mut own = step
                 .events()

@@ -44,9 +44,9 @@ fn meets<'f, E: CurveOfMotions<'f>>(
     let found = motions.with(motions.parameters(&last.y), |form| {
         let (map, period) = (&trial.map, trial.period);
         let is_near = |change: &Change| change.is_other(begin) && change.size <= NEAR;
-        let touch = touch(form, map, period, None).filter(is_near);
+        let touch = touch(form, map, period, Some(false)).filter(is_near);
         let change = touch.or_else(|| sequence(form, map, period).filter(is_near));
-        Ok(change.and_then(|change| Some((curve.kind_with(form, &change)?, change))))
+        Ok(change.and_then(|change| Some((curve.kind_with(form, trial, &change)?, change))))
     });
     let (kind, change) = found.ok()??;
     let number = begin.holds.len();

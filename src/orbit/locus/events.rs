@@ -15,7 +15,7 @@ use std::ops::Range;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::form::GeneralForm;
-use super::super::hold::{Hold, Then, Touch, common_limit, speeds};
+use super::super::hold::{Hold, Then, Touch, speeds};
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
@@ -240,11 +240,7 @@ impl EventCurve<'_> {
     ) -> Option<FrozenStart> {
         let rests = self.motions.with_form(self.motions.parameters(y), |form| {
             let start = &trial.map.start;
-            let rests = |hold: &Hold| {
-                hold.then == Then::Slips
-                    && form.model.memory(hold.contact).is_empty()
-                    && common_limit(&form, hold.contact, hold.side, start).is_some()
-            };
+            let rests = |hold: &Hold| hold.then == Then::Slips && hold.may_rest(&form, start);
             Ok(begin.holds.iter().all(rests))
         });
         rests.ok().filter(|rests| *rests)?;
@@ -297,7 +293,7 @@ impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
         held
     }
 
-    fn kind_with(&self, _: &GeneralForm<'_>, _: &Change) -> Option<SpecialKind> {
+    fn kind_with(&self, _: &GeneralForm<'_>, _: &TrialMotion, _: &Change) -> Option<SpecialKind> {
         Some(SpecialKind::DoubleGrazing)
     }
 

@@ -91,10 +91,14 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// ends with `Jump` at every change of the events. On a curve of grazings, the instant of grazing
 /// can approach another event of the same contact, such as a release. The steps then become ever
 /// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of folds
-/// that meets a curve of grazings can end with `Crawls` or with
+/// that meets a curve of grazings ends there with `Jump`, and its last special point is
+/// [`FoldGrazing`](SpecialKind::FoldGrazing). This holds if, on the side of the folds, the contact
+/// slips past the touch or sticks there for a time that shrinks to 0. If it sticks for a longer
+/// time at the touch, if its law has a memory, or if its static friction is larger than its kinetic
+/// friction at speed 0, the curve can end with `Crawls` or with
 /// [`LocusEnd::Lost`](super::LocusEnd::Lost). A curve of an autonomous motion that shrinks to a
 /// point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
-/// extrapolated, with an error of about 1e-8 of the ranges.
+/// extrapolated, with an error of about 1e-8 of the ranges, and 1e-7 if the system drifts.
 ///
 /// For four changes of events no curve can be computed:
 ///
@@ -401,5 +405,10 @@ trait CurveOfMotions<'f>: Equations {
     fn holding(&self, value: &Self::Value, change: &Change) -> Self::Value;
 
     /// The kind of special point at which another change of events happens.
-    fn kind_with(&self, form: &GeneralForm<'_>, change: &Change) -> Option<SpecialKind>;
+    fn kind_with(
+        &self,
+        form: &GeneralForm<'_>,
+        trial: &TrialMotion,
+        change: &Change,
+    ) -> Option<SpecialKind>;
 }

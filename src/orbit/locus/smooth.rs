@@ -249,12 +249,18 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         motion
     }
 
-    fn kind_with(&self, form: &GeneralForm<'_>, change: &Change) -> Option<SpecialKind> {
+    fn kind_with(
+        &self,
+        form: &GeneralForm<'_>,
+        trial: &TrialMotion,
+        change: &Change,
+    ) -> Option<SpecialKind> {
         let mut holds = change.holds.iter();
-        // A memory that begins at an arrival makes the derivative unbounded where the arrival
-        // becomes tangential.
-        let is_bounded =
-            |hold: &Hold| hold.then == Then::Slips || form.model.memory(hold.contact).is_empty();
+        let is_bounded = |hold: &Hold| match hold.then {
+            Then::Slips => true,
+            Then::SlipsAfterRest => hold.may_rest(form, &trial.map.start),
+            Then::Sticks => false,
+        };
         match (self.kind, change.kind) {
             (Smooth::Fold, LocusKind::Grazing { .. }) if holds.all(is_bounded) => {
                 Some(SpecialKind::FoldGrazing)
