@@ -192,8 +192,8 @@ impl DwellOscillator {
     /// The belt velocity down to which an unstable cycle exists. Exact.
     ///
     /// At this velocity the mass reaches the belt velocity tangentially at the end of slip. The
-    /// page [`dwell`](self) has the formula. `None` if there is no damping, if c ≥ 2√(km), if a field
-    /// is out of its range, or if numbers overflow or underflow.
+    /// page [`dwell`](self) has the formula. `None` if there is no damping, if c ≥ 2√(km), if a
+    /// field is out of its range, or if numbers overflow or underflow.
     pub fn grazing_velocity(&self) -> Option<f64> {
         let of = self.oscillator().filter(|of| of.damping > 0.0)?;
         let velocity = self.velocity(&of, tangential(&of));

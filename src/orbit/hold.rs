@@ -5,9 +5,8 @@
 //! A held motion is a smooth function of g = s(t*). Past a touch the held contact continues to slip
 //! for either sign of g, on the series of its step, which continue its law to small negative
 //! speeds, perhaps after a stick of duration 0. At the tangential end of a branch it sticks from t*
-//! on. Without holding, the motion
-//! depends on the time of arrival (the root of s), which varies like √|g|. Held motions are real
-//! motions at g = 0, and past a touch also for g > 0.
+//! on. Without holding, the motion depends on the time of arrival (the root of s), which varies
+//! like √|g|. Held motions are real motions at g = 0, and past a touch also for g > 0.
 
 use super::form::GeneralForm;
 use crate::clock::Clock;

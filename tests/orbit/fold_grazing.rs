@@ -53,10 +53,10 @@ fn assert_same(found: [f64; 2], known: [f64; 2], accuracy: f64) {
 }
 
 /// Constant friction on a mass with a damper of negative constant c: pure slip is linear, and
-/// touches the belt at F = v_b √((1 − Ω²)² + (cΩ)²)/Ω. Beside this curve the mass sticks for a short
-/// time; the next slip begins with v' = 0 and lasts one period, so that perturbations of the
-/// displacement grow by Φ(T) = e^{−cT/2}(cos qT + c/(2q) sin qT), q² = 1 − c²/4. The fold-grazing is
-/// the touch with Φ(2π/Ω) = 1.
+/// touches the belt at F = v_b √((1 − Ω²)² + (cΩ)²)/Ω. Beside this curve the mass sticks for a
+/// short time; the next slip begins with v' = 0 and lasts one period, so that perturbations of the
+/// displacement grow by Φ(T) = e^{−cT/2}(cos qT + c/(2q) sin qT), q² = 1 − c²/4. The fold-grazing
+/// is the touch with Φ(2π/Ω) = 1.
 #[test]
 fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
     const C: f64 = -0.06;

@@ -580,7 +580,7 @@ mod loci {
             // rounding beside a drift, which does not shrink, is larger.
             let accuracy = match &kind[..] {
                 "cusp" => 1e-9,
-                "Hopf" => 1e-6,
+                "Hopf" => 3e-7,
                 _ => 1e-11,
             };
             for (found, known) in std::iter::zip(found, known) {

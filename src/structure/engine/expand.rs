@@ -212,16 +212,14 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         let found = groups.member(i);
         if let Some(c) = model.owner[i] {
             let of = &mut contacts[c];
-            of.carried = found.carried(of.carried[0]);
+            found.give_carried(&mut of.carried);
             match of.mode {
-                StepMode::Slip => {
-                    (of.speeds, of.friction) = (found.speeds(), found.friction());
-                }
+                StepMode::Slip => found.give_slip(&mut of.speeds, &mut of.friction),
                 _ => of.speeds = PowerSeries::ZERO,
             }
         }
         if !matches!(coordinate.role, Role::Held(_)) {
-            coordinate.motion.take(found.numbers());
+            found.give_motion(&mut coordinate.motion);
         }
     }
 }

@@ -16,6 +16,7 @@ use std::ops::Range;
 
 use super::ALL;
 use super::model::Model;
+use super::series::DisplacementSeries;
 use super::sparse::Sparse;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
@@ -217,33 +218,28 @@ impl Groups {
 }
 
 impl GroupedCoordinate<'_> {
-    /// The displacement, and the coefficients of the velocity.
-    pub(super) fn numbers(&self) -> [f64; TERMS + 1] {
-        lane_of(self.motion, self.lane)
+    /// Puts the displacement and the coefficients of the velocity in their place.
+    pub(super) fn give_motion(&self, motion: &mut DisplacementSeries) {
+        let lane = self.lane % LANES;
+        motion.set(|k| self.motion[k][lane]);
     }
 
-    /// Of one that slips.
-    pub(super) fn speeds(&self) -> PowerSeries {
-        lane_of(&self.group.speeds, self.lane).into()
+    /// The same of a contact that slips.
+    pub(super) fn give_slip(&self, speeds: &mut PowerSeries, friction: &mut PowerSeries) {
+        let lane = self.lane % LANES;
+        for k in 0..TERMS {
+            speeds[k] = self.group.speeds[k][lane];
+            friction[k] = self.group.friction[k][lane];
+        }
     }
 
-    /// Of one that slips.
-    pub(super) fn friction(&self) -> PowerSeries {
-        lane_of(&self.group.friction, self.lane).into()
+    /// The same of the force in a contact, from order 1 on.
+    pub(super) fn give_carried(&self, carried: &mut PowerSeries) {
+        let lane = self.lane % LANES;
+        for k in 1..TERMS {
+            carried[k] = self.group.carried[k][lane];
+        }
     }
-
-    /// From order 1 on.
-    pub(super) fn carried(&self, at_start: f64) -> PowerSeries {
-        let mut carried = lane_of(&self.group.carried, self.lane);
-        carried[0] = at_start;
-        carried.into()
-    }
-}
-
-#[inline(always)]
-fn lane_of<const N: usize>(rows: &[Lanes; N], lane: usize) -> [f64; N] {
-    let lane = lane % LANES;
-    std::array::from_fn(|k| rows[k][lane])
 }
 
 /// The diagonal of each group's rows of a matrix, and the columns beside it.

@@ -144,9 +144,13 @@ impl DisplacementSeries {
         self.newest = self.numbers[TERMS];
     }
 
-    /// Takes all numbers.
-    pub(super) fn take(&mut self, numbers: [f64; TERMS + 1]) {
-        (self.numbers, self.newest) = (numbers, numbers[TERMS]);
+    /// Sets all numbers.
+    #[inline(always)]
+    pub(super) fn set(&mut self, number: impl Fn(usize) -> f64) {
+        for (k, own) in self.numbers.iter_mut().enumerate() {
+            *own = number(k);
+        }
+        self.newest = self.numbers[TERMS];
     }
 
     /// v(t).
