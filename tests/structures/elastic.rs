@@ -621,3 +621,41 @@ fn an_open_spring_does_not_pull_what_starts_to_slip() {
         }
     }
 }
+
+/// A rigid joint that sticks keeps a slider beside it at rest, also where its spring is at the
+/// limit: the relative velocity of the two masses is mere rounding.
+#[test]
+fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
+    let mut random = Random::new(91);
+    for i in 0..count(100) {
+        let mut uniform = |low, high| random.uniform(low, high);
+        let masses = [0; 2].map(|_| uniform(0.5, 2.0));
+        let (spring, damper) = (uniform(0.5, 2.0), uniform(0.05, 0.2));
+        let force = Drive::harmonic(uniform(0.1, 0.5), uniform(0.5, 3.0), 0.3).unwrap();
+        let (load, stiffness) = (uniform(0.5, 2.0), uniform(5.0, 50.0));
+        let pair = Structure::new(&masses)
+            .and_then(|s| {
+                s.with_ground_spring(0, spring)?
+                    .with_ground_damper(1, damper)
+            })
+            .and_then(|s| s.with_spring(0, 1, 0.7)?.with_force(0, force))
+            .and_then(|s| {
+                let elastic = Contact::between(0, 1, coulomb(0.3), load)?;
+                s.with_contact(elastic.with_tangential_stiffness(stiffness)?)
+            })
+            .and_then(|s| s.with_contact(Contact::between(0, 1, coulomb(0.5), 40.0)?))
+            .unwrap();
+        let velocity = uniform(-1.0, 1.0);
+        let start = State::new(&[uniform(-1.0, 1.0), 0.1], &[velocity; 2]);
+        let start = start.with_memory(&[0.3 * load]);
+        for tolerance in [1e-6, 1e-9, f64::EPSILON] {
+            let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+            let motion = integrator.simulate(&pair, start.clone(), 30.0).unwrap();
+            assert!(
+                motion.events().is_empty(),
+                "{i}, {tolerance:e}: {:?}",
+                motion.events()
+            );
+        }
+    }
+}

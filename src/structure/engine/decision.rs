@@ -345,6 +345,12 @@ impl Decision {
     /// Sets the modes that were chosen.
     fn set(&mut self, model: &Model<'_>, situation: &mut Situation) {
         situation.holding = self.hold(model);
+        let elastic = model
+            .springs
+            .iter()
+            .filter(|&&c| model.contacts[c].is_elastic());
+        let parts = |&c: &usize| Some((c, model.dependence(c, &situation.holding)?));
+        situation.guided = elastic.filter_map(parts).collect();
         for candidate in &self.candidates {
             let contact = &model.contacts[candidate.contact];
             let mut state = candidate.resting.clone();

@@ -281,6 +281,16 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
             }
         }
     }
+    for &c in &model.springs {
+        series.contacts[c].guided = None;
+    }
+    for (c, parts) in &situation.guided {
+        let mut velocity = PowerSeries::ZERO;
+        for &(held_by, part) in parts {
+            velocity.add(part, &series.contacts[held_by].surface);
+        }
+        series.contacts[*c].guided = Some(velocity);
+    }
     spring_order(model, series, 0);
 }
 

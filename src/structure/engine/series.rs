@@ -53,6 +53,8 @@ pub(super) struct ContactSeries {
     pub(super) speeds: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
+    /// Σ b_j v_j of an elastic contact, where contacts that stick determine it.
+    pub(super) guided: Option<PowerSeries>,
     /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
     /// alone without a drive: the force that stick would need, from order 1 on.
     pub(super) carried: PowerSeries,
@@ -217,6 +219,7 @@ impl Series {
                 rate: None,
                 limit: 0.0,
                 speeds: PowerSeries::ZERO,
+                guided: None,
                 surface: constant(contact.belt_velocity.value(time)),
                 carried: PowerSeries::ZERO,
                 bound: PowerSeries::ZERO,

@@ -94,7 +94,10 @@ impl ContactSeries {
         } else {
             0.0
         };
-        let velocity = contact.along(|j| coordinates[j].motion.velocity(k)) - self.surface[k];
+        let velocity = match &self.guided {
+            Some(velocity) => velocity[k] - self.surface[k],
+            None => contact.along(|j| coordinates[j].motion.velocity(k)) - self.surface[k],
+        };
         let carried = &mut self.memories[0];
         match self.mode {
             StepMode::Open => [carried[k], carried[k + 1]] = [0.0, 0.0],

@@ -24,6 +24,9 @@ pub(super) struct Situation {
     pub(super) contacts: Vec<ContactState>,
     /// The shared contacts that stick, in the order of [`Model::shared`], and what holds them.
     pub(super) holding: Holding,
+    /// The elastic contacts whose directions depend on these, each with its parts α in
+    /// b = Σ α_c b_c: their relative velocities are those of the surfaces.
+    pub(super) guided: Vec<(usize, Vec<(usize, f64)>)>,
     /// The shared contacts that are closed; `None` if they are not known.
     pub(super) closed: Option<Closed>,
 }
@@ -147,6 +150,7 @@ impl Situation {
             coordinates: coordinates.collect(),
             contacts: contacts.collect(),
             holding: Holding::default(),
+            guided: Vec::new(),
             closed: None,
         }
     }
