@@ -192,8 +192,9 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// In slip the force is −γ²μ(v_r). In stick it is u + 2βv_b, the force that the contact
     /// transmits. If v_r is 0 and u lies outside the stick band, the result is the force just after
-    /// slip begins. If the law overflows at this speed, the result is ±∞; a law of the user that
-    /// returns NaN makes it NaN.
+    /// slip begins. If the law overflows at this speed, the result is ±∞. If the law returns NaN,
+    /// so does this function; a [`Polynomial`](crate::Polynomial) with μ_m = μ_s does so above a
+    /// speed of 1e154.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

@@ -388,8 +388,8 @@ impl Curve<'_> {
         }
     }
 
-    /// The entries of memory that law resets, of contacts that stick at the end of a trial but not
-    /// at its start, with their values at the end; `None` if there are none.
+    /// The memory variables that their laws reset, of contacts that stick at the end of a trial but
+    /// not at its start: their places and their values at the end.
     ///
     /// If the release of such a contact passes the start of the period, the memory at the start
     /// jumps from that of slip to that of the whole rest, which Newton's method does not know.
@@ -398,21 +398,21 @@ impl Curve<'_> {
         y: &DVector<f64>,
         trial: &TrialMotion,
         modes: &[Mode],
-    ) -> Result<Option<Vec<(usize, f64)>>, Error> {
-        let after = trial.map.end_modes();
-        let sticks = |c: &usize| after[*c] == Mode::Stick && modes.get(*c) != Some(&Mode::Stick);
-        let mut sticking = (0..after.len()).filter(sticks).peekable();
-        if modes.is_empty() || sticking.peek().is_none() {
-            return Ok(None);
+    ) -> Result<Vec<(usize, f64)>, Error> {
+        let after = std::iter::zip(modes, trial.map.end_modes()).enumerate();
+        let begins =
+            after.filter(|(_, (start, end))| **end == Mode::Stick && **start != Mode::Stick);
+        let mut sticking = begins.map(|(c, _)| c).peekable();
+        if sticking.peek().is_none() {
+            return Ok(Vec::new());
         }
         let end = vector(&trial.map.end, self.order);
-        let clocks = self.with(y, |form, _| {
+        self.with(y, |form, _| {
             let places = sticking.flat_map(|c| form.model.memory(c));
             let places = places.map(|j| 2 * form.len() + j);
             let reset = places.filter(|&place| self.weights[place] == 0.0);
-            Ok(reset.map(|place| (place, end[place])).collect::<Vec<_>>())
-        })?;
-        Ok((!clocks.is_empty()).then_some(clocks))
+            Ok(reset.map(|place| (place, end[place])).collect())
+        })
     }
 
     /// The point of the curve on a plane, near a guess, by Newton's method.
@@ -429,7 +429,8 @@ impl Curve<'_> {
         let mut steps = 0;
         loop {
             let mut trial = self.trial(&y, &modes)?;
-            if let Some(clocks) = self.stopped_clocks(&y, &trial, &modes)? {
+            let clocks = self.stopped_clocks(&y, &trial, &modes)?;
+            if !clocks.is_empty() {
                 for (place, value) in clocks {
                     y[place] = value;
                 }

@@ -562,6 +562,10 @@ fn forces_are_numbers_at_any_state() {
             }
         }
     }
+    // 0 times a square that overflows.
+    let flat = Polynomial::new(0.4, 0.4, 0.5).unwrap();
+    assert_eq!(flat.kinetic(1e153), 0.4);
+    assert!(flat.kinetic(1e155).is_nan());
     // Up to the largest v_s, friction falls to μ_k before anything overflows.
     let wide = Exponential::new(0.4, 0.25, 1e150).unwrap();
     assert!((wide.kinetic(1e150) - (0.25 + 0.15 * (-1.0_f64).exp())).abs() < 1e-16);

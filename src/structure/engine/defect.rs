@@ -57,34 +57,34 @@ pub(super) fn is_accepted(
 #[derive(Clone, Copy)]
 struct Checks {
     h: f64,
-    /// Number of groups.
-    count: usize,
-    /// Distance of the times between the quarters.
-    part: f64,
+    /// Number of groups between the quarters.
+    fours: usize,
 }
 
 impl Checks {
     fn new(h: f64, unit: f64) -> Self {
         let fours = if h > LONG * unit {
-            (h / unit).ceil().min(MOST_FOURS)
+            (h / unit).ceil().min(MOST_FOURS) as usize
         } else {
-            0.0
+            0
         };
-        Self {
-            h,
-            count: 1 + fours as usize,
-            part: 0.25 * h / fours,
-        }
+        Self { h, fours }
+    }
+
+    /// Number of groups.
+    fn count(&self) -> usize {
+        1 + self.fours
     }
 
     /// The times of one group; those of the last one beyond.
     #[inline(always)]
     fn group(&self, k: usize) -> [f64; 4] {
-        match k.min(self.count - 1) {
+        match k.min(self.fours) {
             0 => quarters(self.h),
             k => {
-                let start = (k - 1) as f64 * 4.0 * self.part;
-                [0.5, 1.5, 2.5, 3.5].map(|place| start + place * self.part)
+                let part = 0.25 * self.h / self.fours as f64;
+                let start = (k - 1) as f64 * 4.0 * part;
+                [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part)
             }
         }
     }
@@ -114,10 +114,10 @@ impl ContactStep<'_> {
         let series = self.series;
         let checks = Checks::new(self.h, self.unit);
         let (mut at_quarters, mut between, mut at_times) = (0.0, 0.0, [0.0; 4]);
-        for first in (0..checks.count).step_by(GROUPS) {
+        for first in (0..checks.count()).step_by(GROUPS) {
             let times = std::array::from_fn(|k| checks.group(first + k));
             let values = values_of([&series.speeds, &series.friction], &times);
-            let count = GROUPS.min(checks.count - first);
+            let count = GROUPS.min(checks.count() - first);
             let mut found = self.defects(slip, &times[..count], values);
             if first == 0 {
                 (at_quarters, at_times) = (found[0], values[0][0]);
@@ -181,7 +181,7 @@ impl ContactStep<'_> {
         let h = self.h;
         let holds = |times| self.memory_holds(times, [h; 4]);
         let checks = Checks::new(h, self.unit);
-        let mut accepted = (0..checks.count).all(|k| holds(checks.group(k)));
+        let mut accepted = (0..checks.count()).all(|k| holds(checks.group(k)));
         if accepted && slips {
             let speeds = &self.series.speeds;
             let at_quarters = speeds.at_some(quarters(h));

@@ -210,7 +210,9 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
         false => -ARRIVING,
     };
     let exact = model.independent(resting.clone(), margin).contacts;
-    resting.retain(|c| !exact.contains(c));
+    // Both are in the same order.
+    let mut set = exact.iter().peekable();
+    resting.retain(|c| set.next_if_eq(&c).is_none());
     Closed {
         holding,
         pivots: model.pivots(&exact),
