@@ -4,7 +4,7 @@
 //! functions, one in each lane of a vector register, so that sums of products need no shuffling.
 
 use super::fused::mul_add_in;
-use super::recorded::{ARGUMENT, FIRST, Operation, Output, Recorder, Sum, Weight};
+use super::recorded::{ARGUMENT, INPUTS, Operation, Output, Recorder, Sum, Weight};
 use super::{INVERSE, LONGEST};
 
 /// Number of functions side by side.
@@ -14,7 +14,7 @@ pub(crate) const LANES: usize = 4;
 pub(crate) type Lanes = [f64; LANES];
 
 /// The coefficients of one operation; of order 0 none.
-type Row = [Lanes; LONGEST];
+pub(crate) type Row = [Lanes; LONGEST];
 
 /// Functions with the same operations.
 #[derive(Debug, Clone)]
@@ -22,12 +22,14 @@ pub(crate) struct Chunk {
     operations: Vec<Operation>,
     /// f, α, β and the slope of each operation.
     factors: Vec<[Lanes; 4]>,
+    /// Those of 0, the argument, the further inputs, and the operations.
     rows: Vec<Row>,
     /// What each row's newest coefficient is beside slope·s_k.
     rests: Vec<Lanes>,
-    output: u16,
-    /// 0 in a lane that is not in use.
-    scale: Lanes,
+    /// Row and factor of the result; the factor is 0 in a lane that is not in use.
+    output: (u16, Lanes),
+    /// The same of the rates of the inputs.
+    rates: Vec<(u16, Lanes)>,
 }
 
 impl Chunk {
@@ -37,33 +39,40 @@ impl Chunk {
             factors: Vec::new(),
             rows: Vec::new(),
             rests: Vec::new(),
-            output: 0,
-            scale: [0.0; LANES],
+            output: (0, [0.0; LANES]),
+            rates: Vec::new(),
         }
     }
 
     /// Takes the function that was recorded into a lane, after all others are removed.
     pub(crate) fn begin(&mut self, lane: usize, recorder: &mut Recorder, output: Output) {
+        let rates = recorder.rates().iter();
+        self.rates.clear();
+        self.rates
+            .extend(rates.map(|rate| (rate.row, [0.0; LANES])));
         let notes = recorder.notes();
         self.operations.clear();
         self.operations
             .extend(notes.iter().map(|note| note.operation));
         self.factors.clear();
         self.factors.resize(notes.len(), [[0.0; LANES]; 4]);
-        let rows = usize::from(FIRST) + notes.len();
+        let rows = self.first() + notes.len();
         if self.rows.len() < rows {
             self.rows.resize(rows, [[0.0; LANES]; LONGEST]);
             self.rests.resize(rows, [0.0; LANES]);
         }
-        self.output = output.row;
-        self.scale = [0.0; LANES];
+        self.inputs_mut().fill([[0.0; LANES]; LONGEST]);
+        self.output = (output.row, [0.0; LANES]);
         self.put(lane, recorder, output);
     }
 
     /// The same beside others, if it has their operations; returns false otherwise.
     pub(crate) fn take(&mut self, lane: usize, recorder: &mut Recorder, output: Output) -> bool {
+        let rates = recorder.rates().iter().map(|rate| rate.row);
+        let has_rates = rates.eq(self.rates.iter().map(|&(row, _)| row));
         let notes = recorder.notes();
-        let is_same = self.output == output.row
+        let is_same = self.output.0 == output.row
+            && has_rates
             && self.operations.len() == notes.len()
             && std::iter::zip(&self.operations, notes).all(|(own, note)| *own == note.operation);
         if is_same {
@@ -79,23 +88,59 @@ impl Chunk {
                 own[lane] = factor;
             }
         }
-        self.scale[lane] = output.scale;
+        for ((_, scale), rate) in std::iter::zip(&mut self.rates, recorder.rates()) {
+            scale[lane] = rate.scale;
+        }
+        self.output.1[lane] = output.scale;
     }
 
-    /// Coefficient K > 0 of the functions from that of their arguments, added to `others`. Orders 1
-    /// to K − 1 come before. `CHOSEN`: see [`mul_add_in`].
+    /// Number of the inputs beside the argument.
+    #[inline(always)]
+    pub(crate) fn inputs(&self) -> usize {
+        self.rates.len()
+    }
+
+    /// The coefficients of an input.
+    pub(crate) fn input(&self, number: usize) -> &Row {
+        &self.rows[usize::from(INPUTS) + number]
+    }
+
+    pub(crate) fn inputs_mut(&mut self) -> &mut [Row] {
+        let count = self.inputs();
+        &mut self.rows[usize::from(INPUTS)..][..count]
+    }
+
+    /// Coefficient k of the rate of an input.
+    pub(crate) fn rate(&self, number: usize, k: usize) -> Lanes {
+        let (row, scale) = self.rates[number];
+        times(scale, self.rows[usize::from(row)][k])
+    }
+
+    /// The row of the first operation.
+    #[inline(always)]
+    fn first(&self) -> usize {
+        usize::from(INPUTS) + self.inputs()
+    }
+
+    /// Coefficient K > 0 of the functions from that of their arguments and inputs, added to `others`.
+    /// Orders 1 to K − 1 come before. `CHOSEN`: see [`mul_add_in`]. `HAS_INPUTS`: false for functions of the
+    /// argument alone; their code is faster.
     ///
     /// The compiler knows the order: sums of run-time length, or a choice among sums, would cost as
     /// much as the sums.
     #[inline(always)]
-    pub(crate) fn order<const K: usize, const CHOSEN: bool>(
+    pub(crate) fn order<const K: usize, const CHOSEN: bool, const HAS_INPUTS: bool>(
         &mut self,
         arguments: Lanes,
         others: Lanes,
     ) -> Lanes {
+        let inputs = if HAS_INPUTS { self.inputs() } else { 0 };
+        let first = usize::from(INPUTS) + inputs;
         let (rows, rests) = (&mut self.rows[..], &mut self.rests[..]);
-        let first = usize::from(FIRST);
         rows[usize::from(ARGUMENT)][K] = arguments;
+        for input in usize::from(INPUTS)..first {
+            rests[input] = rows[input][K];
+        }
         let notes = std::iter::zip(&self.operations, &self.factors);
         for (row, (operation, [f, alpha, beta, slope])) in (first..).zip(notes) {
             let [a, b] = operation.rows.map(|row| rests[usize::from(row)]);
@@ -124,7 +169,8 @@ impl Chunk {
                 newest
             };
         }
-        mul_add::<CHOSEN>(self.scale, rows[usize::from(self.output)][K], others)
+        let (row, scale) = self.output;
+        mul_add::<CHOSEN>(scale, rows[usize::from(row)][K], others)
     }
 }
 

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! As in `taylor.rs`, a coefficient is slope·s_k + rest, where s_k is the coefficient of the
-//! function's argument; few operations have to wait for s_k. The recurrences are those of
+//! function's argument; few operations have to wait for s_k. Further inputs, such as memory
+//! variables, are known before s_k. The recurrences are those of
 //! `operations.rs`. Only the numbers of rows and the kinds of sums depend on the function, so
 //! motions of one law, or of several, that went the same way through their functions are computed
 //! side by side.
@@ -56,7 +57,7 @@ pub(crate) struct Note {
     pub(crate) slope: f64,
 }
 
-/// The result of a function: scale·row for k > 0.
+/// A result of a function: scale·row for k > 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Output {
     pub(crate) row: u16,
@@ -69,13 +70,16 @@ const ZERO: u16 = 0;
 /// The row of the function's argument.
 pub(crate) const ARGUMENT: u16 = 1;
 
-/// The row of the first operation; each has one.
-pub(crate) const FIRST: u16 = 2;
+/// The row of the first of its further inputs; the operations follow, each with a row.
+pub(crate) const INPUTS: u16 = 2;
 
 /// The operations of a function, in their sequence.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Recorder {
     notes: RefCell<Vec<Note>>,
+    /// The rates of the function's further inputs.
+    rates: RefCell<Vec<Output>>,
+    inputs: u16,
 }
 
 /// A number under way: a *view* of a row, so that adding, scaling and negating by constants need no
@@ -92,33 +96,62 @@ pub(crate) struct Recorded<'r> {
 }
 
 impl Recorder {
-    /// Runs a function at a base value, and takes notes of it alone.
-    pub(crate) fn run(
-        &mut self,
-        value: f64,
-        function: impl FnOnce(Recorded<'_>) -> Recorded<'_>,
-    ) -> Output {
+    /// Takes notes of a function of an argument and so many further inputs, and of it alone.
+    pub(crate) fn begin(&mut self, inputs: usize) -> &Self {
         self.notes.get_mut().clear();
-        let argument = Recorded {
+        self.rates.get_mut().clear();
+        // A law has far fewer variables than there are numbers of rows.
+        self.inputs = inputs as u16;
+        self
+    }
+
+    /// The argument, at its base value.
+    pub(crate) fn argument(&self, value: f64) -> Recorded<'_> {
+        self.variable(ARGUMENT, value, 1.0)
+    }
+
+    /// A further input, at its base value. Each of its coefficients is known before that of the
+    /// argument.
+    pub(crate) fn input(&self, number: usize, value: f64) -> Recorded<'_> {
+        self.variable(INPUTS + number as u16, value, 0.0)
+    }
+
+    fn variable(&self, row: u16, value: f64, slope: f64) -> Recorded<'_> {
+        Recorded {
             recorder: self,
-            row: ARGUMENT,
+            row,
             scale: 1.0,
             value,
-            slope: 1.0,
-        };
-        let Recorded { row, scale, .. } = function(argument);
-        Output { row, scale }
+            slope,
+        }
+    }
+
+    /// Notes the rate of the next of the further inputs.
+    pub(crate) fn give_rate(&self, rate: Recorded<'_>) {
+        self.rates.borrow_mut().push(rate.output());
     }
 
     pub(crate) fn notes(&mut self) -> &[Note] {
         self.notes.get_mut()
     }
+
+    pub(crate) fn rates(&mut self) -> &[Output] {
+        self.rates.get_mut()
+    }
 }
 
 impl<'r> Recorded<'r> {
+    /// The result of a function.
+    pub(crate) fn output(self) -> Output {
+        Output {
+            row: self.row,
+            scale: self.scale,
+        }
+    }
+
     fn next_row(self) -> u16 {
         // The operations of a law are far fewer than there are numbers of rows.
-        FIRST + self.recorder.notes.borrow().len() as u16
+        INPUTS + self.recorder.inputs + self.recorder.notes.borrow().len() as u16
     }
 
     /// Notes an operation: f and its sum, with α, β relative to the views a and b.

@@ -66,7 +66,8 @@ fn compose_recorded(
     let mut recorder = Recorder::default();
     let mut chunk = Chunk::new();
     for (lane, speed) in [(0, 1.1 * inner[0]), (3, inner[0])] {
-        let output = recorder.run(speed, |speed| law.kinetic_on(piece, speed));
+        let run = recorder.begin(0);
+        let output = law.kinetic_on(piece, run.argument(speed)).output();
         if lane == 0 || !chunk.take(lane, &mut recorder, output) {
             chunk.begin(lane, &mut recorder, output);
         }
@@ -74,7 +75,7 @@ fn compose_recorded(
     macro_rules! orders {
         ($($k:literal)*) => {$(
             let arguments = [0.9 * inner[$k], 0.0, 7.0, inner[$k]];
-            let found = chunk.order::<$k, false>(arguments, [0.0, 0.0, f64::INFINITY, 0.0]);
+            let found = chunk.order::<$k, false, false>(arguments, [0.0, 0.0, f64::INFINITY, 0.0]);
             assert_eq!(found[2], f64::INFINITY);
             series[$k] = found[3];
         )*};

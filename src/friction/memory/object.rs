@@ -9,7 +9,6 @@ use std::fmt;
 use super::sliding::Sliding;
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
 use crate::friction::law::{Law, LawRef};
-use crate::scalar::Scalar;
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Run, Tape};
 use crate::scalar::recorded::{Output, Recorder};
@@ -49,8 +48,9 @@ pub(crate) trait LawObject {
     /// The law of slip without memory, for the series of one mass; then no memory changes in slip.
     fn dry_slip(&self) -> Option<&dyn Law>;
 
-    /// The operations that give σμ in slip from the sliding speed, of a law without memory.
-    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>) -> Output;
+    /// The operations that give σμ in slip, then the rates of the memory, from the sliding speed
+    /// and the memory.
+    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>, memory: Memory<'_>) -> Output;
     /// Coefficient k of σμ in slip, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates
     /// of the memory. The speed is coefficient k of its series.
     fn slip_order(
@@ -183,16 +183,19 @@ impl<L: ContactLaw> LawObject for L {
         ContactLaw::dry_slip(self).map(LawRef::law)
     }
 
-    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>) -> Output {
-        recorder.run(slip.speed, |speed| {
-            let memory = Variables::from_fn(|_| speed.constant(0.0));
-            let slip = Slip {
-                speed,
-                direction: slip.direction,
-                piece: slip.piece,
-            };
-            ContactLaw::coefficient(self, slip, memory) * slip.direction
-        })
+    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>, memory: Memory<'_>) -> Output {
+        let recorder = recorder.begin(L::Memory::<f64>::COUNT);
+        let slip = Slip {
+            speed: recorder.argument(slip.speed),
+            direction: slip.direction,
+            piece: slip.piece,
+        };
+        let memory = Variables::from_fn(|j| recorder.input(j, memory(j)));
+        let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
+        for rate in rates.as_ref() {
+            recorder.give_rate(*rate);
+        }
+        (coefficient * slip.direction).output()
     }
 
     fn slip_order(

@@ -2,6 +2,7 @@
 
 use super::contact::ContactData;
 use super::series::{ContactSeries, CoordinateSeries, StepMode};
+use super::slow::correction;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::MemoryOrder;
 use crate::scalar::mul_add;
@@ -64,12 +65,7 @@ impl ContactSeries {
             // The law runs twice: for the memory, then with it.
             self.law_order(contact, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
-                let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
-                // A correction that consists of rounding errors only would change the later
-                // coefficients again and again.
-                if correction.abs() > 2.0 * f64::EPSILON * series[k].abs() {
-                    series[k] += correction;
-                }
+                series[k] += correction(self.relaxation, k, *rate, [series[k], series[k + 1]]);
             }
             return self.law_order(contact, k);
         }

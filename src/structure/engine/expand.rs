@@ -6,7 +6,7 @@ use super::ALL;
 use super::alone::{expand_alone, slips_alone};
 use super::groups::Waves;
 use super::model::{Model, Target};
-use super::series::{CoordinateSeries, DisplacementSeries, Role, Series, StepMode};
+use super::series::{ContactSeries, CoordinateSeries, DisplacementSeries, Role, Series, StepMode};
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
@@ -146,7 +146,10 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             start(model, situation, series);
         }
     }
-    if orders.end == ALL && series.groups.is_some() {
+    let remembers_stick =
+        |of: &ContactSeries| of.mode == StepMode::Stick && !of.memories.is_empty();
+    let are_simple = series.groups.is_some() && !series.contacts.iter().any(remembers_stick);
+    if orders.end == ALL && are_simple {
         if orders.start == 0 {
             all_of(model, series, 0, 0..n);
         }
@@ -194,10 +197,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         groups.start(i, numbers);
         match model.owner[i] {
             Some(c) if contacts[c].mode == StepMode::Slip => {
-                let of = &contacts[c];
-                let law = model.contacts[c].law;
-                let numbers = [of.load[0], of.speeds[1], of.friction[0]];
-                groups.slip(i, law, of.slip(0), numbers);
+                groups.slip(i, model.contacts[c].law, &contacts[c]);
             }
             Some(_) => {}
             None => groups.free(i),
@@ -214,7 +214,10 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             let of = &mut contacts[c];
             found.give_carried(&mut of.carried);
             match of.mode {
-                StepMode::Slip => found.give_slip(&mut of.speeds, &mut of.friction),
+                StepMode::Slip => {
+                    found.give_slip(&mut of.speeds, &mut of.friction);
+                    found.give_memory(&mut of.memories);
+                }
                 _ => of.speeds = PowerSeries::ZERO,
             }
         }

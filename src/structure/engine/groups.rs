@@ -1,6 +1,6 @@
 //! The series of coordinates in groups of four, side by side in the lanes of vector registers. Used
-//! for steps in which every coordinate is held, is free, or slips on its own contact, with a
-//! constant load and a law without memory.
+//! for steps in which every coordinate is held, is free, or slips on its own contact, all with
+//! constant loads; those that are held have no memory.
 //!
 //! The laws are recorded at the start of the step: see `scalar/recorded.rs`. All coordinates of a
 //! group follow one equation, without a branch:
@@ -10,15 +10,16 @@
 //! v_{k+1} = σ y_{k+1} + w_{k+1}
 //! ```
 //!
-//! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those that are free.
+//! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those that are free. A memory z
+//! follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
 
 use std::ops::Range;
 
 use super::ALL;
 use super::model::Model;
-use super::series::DisplacementSeries;
+use super::series::{ContactSeries, DisplacementSeries};
+use super::slow::correction;
 use super::sparse::Sparse;
-use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
 use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, plus, times};
@@ -35,6 +36,8 @@ pub(super) struct Groups {
     rows: Vec<Rows>,
     series: GroupSeries,
     recorder: Recorder,
+    /// True if a contact that slips has a memory.
+    remembers: bool,
     /// Largest distance between two groups that act on each other, in numbers of groups.
     shift: usize,
 }
@@ -83,9 +86,14 @@ struct Group {
     is_driven: bool,
     given: [Lanes; TERMS],
     surface: [Lanes; TERMS],
-    /// The laws: one chunk for those with the same operations, and how many are in use.
+    /// The laws: one chunk for those with the same operations, and how many are in use. The memory
+    /// of a law is among the inputs of its chunk.
     chunks: Vec<Chunk>,
     used: usize,
+    /// The number of the chunk with the law of each coordinate.
+    chunk_of: [usize; LANES],
+    /// D of the memories that are on a slow manifold; 0 of the others.
+    relaxation: Lanes,
 }
 
 /// The series of one coordinate.
@@ -115,6 +123,8 @@ impl Groups {
             surface: zero,
             chunks: Vec::new(),
             used: 0,
+            chunk_of: [0; LANES],
+            relaxation: [0.0; LANES],
         };
         Self {
             rows: rows.collect(),
@@ -123,15 +133,17 @@ impl Groups {
                 groups: vec![group; count],
             },
             recorder: Recorder::default(),
+            remembers: false,
             shift: model.bandwidth.div_ceil(LANES),
         }
     }
 
     /// Begins a step: nothing moves, and nothing is driven.
     pub(super) fn clear(&mut self) {
+        self.remembers = false;
         for group in &mut self.series.groups {
             (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
-            group.is_driven = false;
+            (group.is_driven, group.relaxation) = (false, [0.0; LANES]);
         }
     }
 
@@ -150,30 +162,35 @@ impl Groups {
         self.series.groups[group].side[lane] = 1.0;
     }
 
-    /// Sets a coordinate to slip, with its load, coefficient 1 of its sliding speed, and its
-    /// friction at the start.
-    pub(super) fn slip(
-        &mut self,
-        coordinate: usize,
-        law: &dyn LawObject,
-        slip: Slip<f64>,
-        [load, rate, friction]: [f64; 3],
-    ) {
+    /// Sets a coordinate to slip, with its law and the series of its contact so far.
+    pub(super) fn slip(&mut self, coordinate: usize, law: &dyn LawObject, of: &ContactSeries) {
         let Slot { group, lane } = Slot::of(coordinate);
         let group = &mut self.series.groups[group];
-        (group.side[lane], group.load[lane]) = (slip.direction, load);
-        (group.speeds[0][lane], group.speeds[1][lane]) = (slip.speed, rate);
-        group.friction[0][lane] = friction;
-        let output = law.record(&mut self.recorder, slip);
+        (group.side[lane], group.load[lane]) = (of.side, of.load[0]);
+        (group.speeds[0][lane], group.speeds[1][lane]) = (of.speeds[0], of.speeds[1]);
+        group.friction[0][lane] = of.friction[0];
+        let output = law.record(&mut self.recorder, of.slip(0), &|j| of.memories[j][0]);
         let mut open = group.chunks[..group.used].iter_mut();
-        if open.any(|chunk| chunk.take(lane, &mut self.recorder, output)) {
+        let place = open.position(|chunk| chunk.take(lane, &mut self.recorder, output));
+        let place = place.unwrap_or_else(|| {
+            if group.used == group.chunks.len() {
+                group.chunks.push(Chunk::new());
+            }
+            group.chunks[group.used].begin(lane, &mut self.recorder, output);
+            group.used += 1;
+            group.used - 1
+        });
+        if of.memories.is_empty() {
             return;
         }
-        if group.used == group.chunks.len() {
-            group.chunks.push(Chunk::new());
+        self.remembers = true;
+        (group.chunk_of[lane], group.relaxation[lane]) = (place, of.relaxation);
+        let inputs = group.chunks[place].inputs_mut();
+        for (row, memory) in std::iter::zip(inputs, &of.memories) {
+            for k in 1..TERMS {
+                row[k][lane] = memory[k];
+            }
         }
-        group.chunks[group.used].begin(lane, &mut self.recorder, output);
-        group.used += 1;
     }
 
     /// Sets a force that varies, and the velocity of the surface.
@@ -198,13 +215,25 @@ impl Groups {
 
     /// All orders after the first.
     pub(super) fn expand(&mut self) {
-        fused::compute(
-            &self.rows,
-            &mut (&mut self.series, self.shift),
-            #[inline(always)]
-            |rows, (series, shift)| series.all_orders::<true>(rows, *shift),
-            |rows, (series, shift)| series.all_orders::<false>(rows, *shift),
-        );
+        let work = &mut (&mut self.series, self.shift);
+        // Code that knows of no memory is faster.
+        if self.remembers {
+            fused::compute(
+                &self.rows,
+                work,
+                #[inline(always)]
+                |rows, (series, shift)| series.all_orders::<true, true>(rows, *shift),
+                |rows, (series, shift)| series.all_orders::<false, true>(rows, *shift),
+            );
+        } else {
+            fused::compute(
+                &self.rows,
+                work,
+                #[inline(always)]
+                |rows, (series, shift)| series.all_orders::<true, false>(rows, *shift),
+                |rows, (series, shift)| series.all_orders::<false, false>(rows, *shift),
+            );
+        }
     }
 
     pub(super) fn member(&self, coordinate: usize) -> GroupedCoordinate<'_> {
@@ -230,6 +259,18 @@ impl GroupedCoordinate<'_> {
         for k in 0..TERMS {
             speeds[k] = self.group.speeds[k][lane];
             friction[k] = self.group.friction[k][lane];
+        }
+    }
+
+    /// The same of its memory, from order 1 on.
+    pub(super) fn give_memory(&self, memories: &mut [PowerSeries]) {
+        let lane = self.lane % LANES;
+        let chunk = &self.group.chunks[self.group.chunk_of[lane]];
+        for (j, memory) in memories.iter_mut().enumerate() {
+            let input = chunk.input(j);
+            for k in 1..TERMS {
+                memory[k] = input[k][lane];
+            }
         }
     }
 
@@ -310,12 +351,12 @@ const _: () = assert!(ALL == 26);
 
 impl GroupSeries {
     #[inline(always)]
-    fn all_orders<const CHOSEN: bool>(&mut self, rows: &[Rows], shift: usize) {
+    fn all_orders<const CHOSEN: bool, const MEMORY: bool>(&mut self, rows: &[Rows], shift: usize) {
         let waves = Waves::new(rows.len(), AT_A_TIME, shift);
         macro_rules! each {
             ($start:ident, $($order:literal)*) => {$(
                 for g in waves.places($start, $order - 1) {
-                    self.order::<$order, CHOSEN>(&rows[g], g);
+                    self.order::<$order, CHOSEN, MEMORY>(&rows[g], g);
                 }
             )*};
         }
@@ -326,7 +367,11 @@ impl GroupSeries {
 
     /// Order K > 0 of what accelerates a group, and K + 1 of its velocities.
     #[inline(always)]
-    fn order<const K: usize, const CHOSEN: bool>(&mut self, rows: &Rows, g: usize) {
+    fn order<const K: usize, const CHOSEN: bool, const MEMORY: bool>(
+        &mut self,
+        rows: &Rows,
+        g: usize,
+    ) {
         let own = &self.motions[g];
         let mut springs = times(rows.diagonal[0], own[K]);
         let mut dampers = times(rows.diagonal[1], own[K + 1]);
@@ -343,7 +388,13 @@ impl GroupSeries {
         let group = &mut self.groups[g];
         let mut friction = [0.0; LANES];
         for chunk in &mut group.chunks[..group.used] {
-            friction = chunk.order::<K, CHOSEN>(group.speeds[K], friction);
+            let mut is_relaxed = false;
+            friction = loop {
+                let sum = chunk.order::<K, CHOSEN, MEMORY>(group.speeds[K], friction);
+                if !MEMORY || memory_order(chunk, K, &group.relaxation, &mut is_relaxed) {
+                    break sum;
+                }
+            };
         }
         let minus = [-1.0; LANES];
         let mut rate = times(minus, pull);
@@ -362,4 +413,25 @@ impl GroupSeries {
         }
         self.motions[g][K + 2] = velocity;
     }
+}
+
+/// After order k of the laws of a chunk, sets coefficient k + 1 of their memories. On a slow
+/// manifold it first corrects coefficient k, once; then it returns false: the order has to be
+/// computed again.
+#[inline(never)]
+fn memory_order(chunk: &mut Chunk, k: usize, relaxation: &Lanes, is_relaxed: &mut bool) -> bool {
+    let is_last = std::mem::replace(is_relaxed, true) || *relaxation == [0.0; LANES];
+    for j in 0..chunk.inputs() {
+        let rate = chunk.rate(j, k);
+        let memory = &mut chunk.inputs_mut()[j];
+        for lane in 0..LANES {
+            let [own, next] = [memory[k][lane], memory[k + 1][lane]];
+            if relaxation[lane] == 0.0 {
+                memory[k + 1][lane] = rate[lane] * INTEGRAL[k];
+            } else if !is_last {
+                memory[k][lane] += correction(relaxation[lane], k, rate[lane], [own, next]);
+            }
+        }
+    }
+    is_last
 }

@@ -251,6 +251,20 @@ impl Slow<'_, '_> {
     }
 }
 
+/// What a pass adds to coefficient k of a memory that relaxes, from its rate and from coefficients
+/// k and k + 1 of the pass before.
+#[inline(always)]
+pub(super) fn correction(relaxation: f64, k: usize, rate: f64, [own, next]: [f64; 2]) -> f64 {
+    let correction = (rate - (k + 1) as f64 * next) / relaxation;
+    // A correction that consists of rounding errors only would change the later coefficients again
+    // and again.
+    if correction.abs() > 2.0 * f64::EPSILON * own.abs() {
+        correction
+    } else {
+        0.0
+    }
+}
+
 /// D at a memory of one variable, or 0 where it does not relax by itself.
 pub(super) fn relaxation(law: &dyn LawObject, slip: Slip<f64>, memory: f64) -> f64 {
     /// The increment relative to the memory: the difference has half the digits, which is enough.

@@ -1,7 +1,8 @@
 use super::super::{ALL, Engine};
-use super::{Model, Series, StepMode, all_of, slips_alone, start};
+use super::{Model, Series, Situation, StepMode, all_of, expand, slips_alone, start};
 use crate::clock::Clock;
 use crate::drive::Drive;
+use crate::friction::memory::{Dahl, Dwell, LuGre};
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
 use crate::state::structure::State;
 use crate::structure::{Contact, Structure};
@@ -57,8 +58,7 @@ fn structure(n: usize, is_driven: bool, is_fast: impl Fn(usize) -> bool) -> (Str
 }
 
 /// Largest difference of two series in a step of length h, in parts of the largest term of either.
-fn difference(a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64, orders: usize) -> f64 {
-    let h: f64 = 0.3;
+fn difference(h: f64, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64, orders: usize) -> f64 {
     let (mut difference, mut size) = (0.0_f64, f64::MIN_POSITIVE);
     for k in 0..orders {
         let [a, b] = [a(k), b(k)].map(|c| c * h.powi(k as i32));
@@ -68,9 +68,10 @@ fn difference(a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64, orders: usize)
     difference / size
 }
 
-fn assert_agree(model: &Model<'_>, found: &Series, expected: &Series) {
+/// Asserts that series agree in a step of length h.
+fn assert_agree(h: f64, model: &Model<'_>, found: &Series, expected: &Series) {
     let assert_close = |of: &dyn Fn(&Series, usize) -> f64, orders: usize, name: &str| {
-        let difference = difference(|k| of(found, k), |k| of(expected, k), orders);
+        let difference = difference(h, |k| of(found, k), |k| of(expected, k), orders);
         assert!(difference < 1e-14, "{name}: {difference}");
     };
     for i in 0..found.coordinates.len() {
@@ -86,6 +87,16 @@ fn assert_agree(model: &Model<'_>, found: &Series, expected: &Series) {
             assert_close(&|of, k| of.contacts[c].speeds[k], ALL + 1, "y");
             assert_close(&|of, k| of.contacts[c].friction[k], ALL, "friction");
         }
+        for j in 0..found.contacts[c].memories.len() {
+            assert_close(&|of, k| of.contacts[c].memories[j][k], ALL + 1, "z");
+        }
+    }
+}
+
+fn expand_generally(model: &Model<'_>, situation: &Situation, series: &mut Series) {
+    start(model, situation, series);
+    for k in 0..ALL {
+        all_of(model, series, k, 0..model.len());
     }
 }
 
@@ -106,14 +117,65 @@ fn simple_motions_have_the_series_of_the_general_way() {
                 let is_driven = alone.is_some_and(|[i, _]| engine.model.is_driven[i]);
                 driven_alone += usize::from(is_driven);
                 let mut general = engine.series.clone();
-                start(&engine.model, &engine.situation, &mut general);
-                for k in 0..ALL {
-                    all_of(&engine.model, &mut general, k, 0..n);
-                }
-                assert_agree(&engine.model, &engine.series, &general);
+                expand_generally(&engine.model, &engine.situation, &mut general);
+                assert_agree(0.3, &engine.model, &engine.series, &general);
             }
         }
     }
     assert!(slipping_alone > 10, "{slipping_alone}");
     assert!(driven_alone > 2, "{driven_alone}");
+}
+
+/// LuGre's bristles, Dahl's, a dwell clock, and none, in turn.
+fn contact_with_memory(i: usize) -> Contact {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let contact = match i % 4 {
+        0 => Contact::new(i, LuGre::new(law, 20.0 + i as f64, 0.5, 0.02).unwrap(), 4.0),
+        1 => Contact::new(i, Dahl::new(0.4, 30.0).unwrap(), 4.0),
+        2 => Contact::new(i, Dwell::exponential(law, 0.6, 1.0).unwrap(), 4.0),
+        _ => Contact::new(i, law, 4.0),
+    };
+    contact.unwrap().on_belt(0.3 + 0.05 * i as f64)
+}
+
+#[test]
+fn memories_have_the_series_of_the_general_way() {
+    for n in [1, 2, 3, 4, 5, 9, 17] {
+        for slow in [None, Some(0), Some(1), Some(4)] {
+            let mut structure = Structure::new(&vec![1.0; n]).unwrap();
+            for i in 0..n {
+                let ground = structure.with_ground_spring(i, 1.0 + 0.1 * i as f64);
+                structure = ground
+                    .unwrap()
+                    .with_contact(contact_with_memory(i))
+                    .unwrap();
+                if i > 0 {
+                    structure = structure.with_spring(i - 1, i, 0.3).unwrap();
+                }
+            }
+            let velocities: Vec<f64> = (0..n).map(|i| [1.5, -0.7][i % 2]).collect();
+            let state = State::new(&vec![0.2; n], &velocities);
+            let (mut engine, _) =
+                Engine::start(structure.model(), f64::EPSILON, Clock::at(0.0), &state).unwrap();
+            let mut general = engine.series.clone();
+            let Engine {
+                model,
+                situation,
+                series,
+                ..
+            } = &mut engine;
+            // Passes to a slow manifold.
+            if let Some(c) = slow.filter(|&c| c < n) {
+                for series in [&mut *series, &mut general] {
+                    series.contacts[c].relaxation = 40.0;
+                    series.contacts[c].hold_memory(&situation.contacts[c].memory);
+                }
+            }
+            for _ in 0..4 {
+                expand(model, situation, series, ALL).unwrap();
+                expand_generally(model, situation, &mut general);
+                assert_agree(0.02, model, series, &general);
+            }
+        }
+    }
 }
