@@ -122,9 +122,9 @@ impl Chunk {
         usize::from(INPUTS) + self.inputs()
     }
 
-    /// Coefficient K > 0 of the functions from that of their arguments and inputs, added to `others`.
-    /// Orders 1 to K − 1 come before. `CHOSEN`: see [`mul_add_in`]. `HAS_INPUTS`: false for functions of the
-    /// argument alone; their code is faster.
+    /// Coefficient K > 0 of the functions from that of their arguments and inputs, added to
+    /// `others`. Orders 1 to K − 1 come before. `CHOSEN`: see [`mul_add_in`]. `HAS_INPUTS`: false
+    /// for functions of the argument alone; their code is faster.
     ///
     /// The compiler knows the order: sums of run-time length, or a choice among sums, would cost as
     /// much as the sums.

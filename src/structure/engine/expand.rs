@@ -146,12 +146,21 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             start(model, situation, series);
         }
     }
-    let remembers_stick =
-        |of: &ContactSeries| of.mode == StepMode::Stick && !of.memories.is_empty();
-    let are_simple = series.groups.is_some() && !series.contacts.iter().any(remembers_stick);
-    if orders.end == ALL && are_simple {
+    let is_delicate = !are_apart && is_delicate(model, situation);
+    let is_grouped = |(c, of): (usize, &ContactSeries)| match of.mode {
+        StepMode::Stick => of.memories.is_empty() && !model.is_shared(c),
+        StepMode::Slip | StepMode::Open => true,
+    };
+    let are_grouped = orders.end == ALL
+        && series.groups.is_some()
+        && !is_delicate
+        && series.contacts.iter().enumerate().all(is_grouped);
+    if are_grouped {
         if orders.start == 0 {
             all_of(model, series, 0, 0..n);
+            if !are_apart {
+                shared_order(model, situation, series, 0, false);
+            }
         }
         expand_groups(model, series);
         return;
@@ -164,7 +173,6 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             }
         }
     } else {
-        let is_delicate = is_delicate(model, situation);
         for k in orders {
             if k > 0 {
                 spring_order(model, series, k);
@@ -207,6 +215,13 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             groups.drive(i, &coordinate.force, surface);
         }
     }
+    for (place, &c) in model.shared.iter().enumerate() {
+        let (number, contact) = (groups.number_of_shared(place), &model.contacts[c]);
+        groups.slip(number, contact.law, &contacts[c]);
+        if !contact.belt_velocity.is_constant() {
+            groups.drive(number, &PowerSeries::ZERO, Some(&contacts[c].surface));
+        }
+    }
     groups.expand();
     for (i, coordinate) in coordinates.iter_mut().enumerate() {
         let found = groups.member(i);
@@ -214,16 +229,17 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             let of = &mut contacts[c];
             found.give_carried(&mut of.carried);
             match of.mode {
-                StepMode::Slip => {
-                    found.give_slip(&mut of.speeds, &mut of.friction);
-                    found.give_memory(&mut of.memories);
-                }
+                StepMode::Slip => found.give_slip(of),
                 _ => of.speeds = PowerSeries::ZERO,
             }
         }
         if !matches!(coordinate.role, Role::Held(_)) {
             found.give_motion(&mut coordinate.motion);
         }
+    }
+    for (place, &c) in model.shared.iter().enumerate() {
+        let found = groups.member(groups.number_of_shared(place));
+        found.give_slip(&mut contacts[c]);
     }
 }
 

@@ -1,25 +1,31 @@
 //! The series of coordinates in groups of four, side by side in the lanes of vector registers. Used
-//! for steps in which every coordinate is held, is free, or slips on its own contact, all with
-//! constant loads; those that are held have no memory.
+//! for steps in which all loads are constant, every contact that sticks has a coordinate to itself
+//! and no memory, and no series is of rounding.
 //!
 //! The laws are recorded at the start of the step: see `scalar/recorded.rs`. All coordinates of a
 //! group follow one equation, without a branch:
 //!
 //! ```text
-//! a_k = (M⁻¹f − M⁻¹K q − M⁻¹C v − w')_k,   y_{k+1} = (σ a_k − N m_k)/(k + 1),
-//! v_{k+1} = σ y_{k+1} + w_{k+1}
+//! a_k = (M⁻¹f − M⁻¹K q − M⁻¹C v − Σ_c x_c ℓ_c − w')_k
+//! y_{k+1} = (σ a_k − N m_k)/(k + 1),   v_{k+1} = σ y_{k+1} + w_{k+1}
 //! ```
 //!
-//! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those that are free. A memory z
-//! follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
+//! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those without a contact of their
+//! own. The contacts that share coordinates have groups, too, with ℓ_c = σ N m_k and
+//!
+//! ```text
+//! a_k = (b·v' − w')_k,   y_{k+1} = σ a_k/(k + 1)
+//! ```
+//!
+//! A memory z follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::ALL;
 use super::model::Model;
 use super::series::{ContactSeries, DisplacementSeries};
 use super::slow::correction;
-use super::sparse::Sparse;
 use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
 use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, plus, times};
@@ -30,27 +36,41 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 /// see [`Waves`].
 const AT_A_TIME: usize = 4;
 
-/// All groups.
+/// All groups: those of coordinates and their own contacts, then those of the contacts that share
+/// coordinates.
 #[derive(Debug, Clone)]
 pub(super) struct Groups {
-    rows: Vec<Rows>,
+    fixed: Fixed,
     series: GroupSeries,
     recorder: Recorder,
     /// True if a contact that slips has a memory.
     remembers: bool,
-    /// Largest distance between two groups that act on each other, in numbers of groups.
-    shift: usize,
 }
 
-/// The rows of M⁻¹K and M⁻¹C of a group.
+/// The data that are constant in a motion.
+#[derive(Debug, Clone)]
+struct Fixed {
+    /// Those of each group of coordinates.
+    rows: Vec<Rows>,
+    /// The directions b of each group of contacts that share coordinates.
+    directions: Vec<Columns>,
+    waves: Waves,
+}
+
+/// The columns of some rows of a matrix: where they are, and their entries.
+type Columns = Vec<(Slot, Lanes)>;
+
+/// The rows of a group of coordinates.
 #[derive(Debug, Clone)]
 struct Rows {
+    /// The diagonals of M⁻¹K and M⁻¹C, and the columns beside them that are not 0.
     diagonal: [Lanes; 2],
-    /// The columns beside the diagonal that are not 0: where they are, and their entries.
-    beside: [Vec<(Slot, Lanes)>; 2],
+    beside: [Columns; 2],
+    /// x_c of the contacts that share coordinates.
+    responses: Columns,
 }
 
-/// Group and lane of a coordinate.
+/// Group and lane of a coordinate or contact.
 #[derive(Debug, Clone, Copy)]
 struct Slot {
     group: usize,
@@ -58,10 +78,10 @@ struct Slot {
 }
 
 impl Slot {
-    fn of(coordinate: usize) -> Self {
+    fn of(number: usize) -> Self {
         Self {
-            group: coordinate / LANES,
-            lane: coordinate % LANES,
+            group: number / LANES,
+            lane: number % LANES,
         }
     }
 }
@@ -74,13 +94,14 @@ struct GroupSeries {
     groups: Vec<Group>,
 }
 
-/// The contacts of a group.
+/// A group: a contact in each lane, or none.
 #[derive(Debug, Clone)]
 struct Group {
     side: Lanes,
     load: Lanes,
     speeds: [Lanes; TERMS],
     friction: [Lanes; TERMS],
+    /// a.
     carried: [Lanes; TERMS],
     /// True if a force or a surface of the group varies: then M⁻¹f − w', and w.
     is_driven: bool,
@@ -96,21 +117,40 @@ struct Group {
     relaxation: Lanes,
 }
 
-/// The series of one coordinate.
-pub(super) struct GroupedCoordinate<'g> {
-    motion: &'g [Lanes; TERMS + 1],
+/// The series of a coordinate and its contact, or of a contact that shares coordinates.
+pub(super) struct Member<'g> {
+    series: &'g GroupSeries,
     group: &'g Group,
-    lane: usize,
+    slot: Slot,
 }
 
 impl Groups {
     pub(super) fn new(model: &Model<'_>) -> Self {
         let count = model.len().div_ceil(LANES);
-        let [springs, dampers] = [&model.stiffness, &model.damping].map(rows_of);
-        let rows = std::iter::zip(springs, dampers).map(|(springs, dampers)| Rows {
-            diagonal: [springs.0, dampers.0],
-            beside: [springs.1, dampers.1],
+        let mut responses = vec![Vec::new(); model.len()];
+        for (place, &c) in model.shared.iter().enumerate() {
+            for &(j, x) in model.contacts[c].responses() {
+                responses[j].push((count * LANES + place, x));
+            }
+        }
+        let matrices = [&model.stiffness, &model.damping];
+        let rows = (0..count).map(|group| {
+            let own = group * LANES..model.len().min((group + 1) * LANES);
+            let mut diagonal = [[0.0; LANES]; 2];
+            for (matrix, diagonal) in std::iter::zip(matrices, &mut diagonal) {
+                for (own, entry) in std::iter::zip(own.clone(), diagonal) {
+                    *entry = matrix.row(own).0;
+                }
+            }
+            Rows {
+                diagonal,
+                beside: matrices.map(|matrix| columns(own.clone().map(|i| matrix.row(i).1))),
+                responses: columns(own.map(|i| &responses[i][..])),
+            }
         });
+        let shared = model.shared.chunks(LANES);
+        let directions =
+            shared.map(|shared| columns(shared.iter().map(|&c| &*model.contacts[c].direction)));
         let zero = [[0.0; LANES]; TERMS];
         let group = Group {
             side: [0.0; LANES],
@@ -126,16 +166,32 @@ impl Groups {
             chunk_of: [0; LANES],
             relaxation: [0.0; LANES],
         };
+        let directions: Vec<Columns> = directions.collect();
+        // Contacts that share coordinates couple them all.
+        let at_a_time = if directions.is_empty() {
+            AT_A_TIME
+        } else {
+            count
+        };
         Self {
-            rows: rows.collect(),
             series: GroupSeries {
                 motions: vec![[[0.0; LANES]; TERMS + 1]; count],
-                groups: vec![group; count],
+                groups: vec![group; count + directions.len()],
+            },
+            fixed: Fixed {
+                rows: rows.collect(),
+                directions,
+                waves: Waves::new(count, at_a_time, model.bandwidth.div_ceil(LANES)),
             },
             recorder: Recorder::default(),
             remembers: false,
-            shift: model.bandwidth.div_ceil(LANES),
         }
+    }
+
+    /// The number of a contact that shares coordinates, from its place among them. A coordinate and
+    /// its own contact have the number of the coordinate.
+    pub(super) fn number_of_shared(&self, place: usize) -> usize {
+        self.series.motions.len() * LANES + place
     }
 
     /// Begins a step: nothing moves, and nothing is driven.
@@ -162,9 +218,9 @@ impl Groups {
         self.series.groups[group].side[lane] = 1.0;
     }
 
-    /// Sets a coordinate to slip, with its law and the series of its contact so far.
-    pub(super) fn slip(&mut self, coordinate: usize, law: &dyn LawObject, of: &ContactSeries) {
-        let Slot { group, lane } = Slot::of(coordinate);
+    /// Sets a contact to slip, with its law and its series so far.
+    pub(super) fn slip(&mut self, number: usize, law: &dyn LawObject, of: &ContactSeries) {
+        let Slot { group, lane } = Slot::of(number);
         let group = &mut self.series.groups[group];
         (group.side[lane], group.load[lane]) = (of.side, of.load[0]);
         (group.speeds[0][lane], group.speeds[1][lane]) = (of.speeds[0], of.speeds[1]);
@@ -196,11 +252,11 @@ impl Groups {
     /// Sets a force that varies, and the velocity of the surface.
     pub(super) fn drive(
         &mut self,
-        coordinate: usize,
+        number: usize,
         force: &PowerSeries,
         surface: Option<&PowerSeries>,
     ) {
-        let Slot { group, lane } = Slot::of(coordinate);
+        let Slot { group, lane } = Slot::of(number);
         let group = &mut self.series.groups[group];
         if !group.is_driven {
             (group.given, group.surface) = ([[0.0; LANES]; TERMS], [[0.0; LANES]; TERMS]);
@@ -215,59 +271,56 @@ impl Groups {
 
     /// All orders after the first.
     pub(super) fn expand(&mut self) {
-        let work = &mut (&mut self.series, self.shift);
-        // Code that knows of no memory is faster.
-        if self.remembers {
+        let (fixed, series) = (&self.fixed, &mut self.series);
+        // Code for contacts without memory that have a coordinate each is faster.
+        if self.remembers || !fixed.directions.is_empty() {
             fused::compute(
-                &self.rows,
-                work,
+                fixed,
+                series,
                 #[inline(always)]
-                |rows, (series, shift)| series.all_orders::<true, true>(rows, *shift),
-                |rows, (series, shift)| series.all_orders::<false, true>(rows, *shift),
+                |fixed, series| series.all_orders::<true, true>(fixed),
+                |fixed, series| series.all_orders::<false, true>(fixed),
             );
         } else {
             fused::compute(
-                &self.rows,
-                work,
+                fixed,
+                series,
                 #[inline(always)]
-                |rows, (series, shift)| series.all_orders::<true, false>(rows, *shift),
-                |rows, (series, shift)| series.all_orders::<false, false>(rows, *shift),
+                |fixed, series| series.all_orders::<true, false>(fixed),
+                |fixed, series| series.all_orders::<false, false>(fixed),
             );
         }
     }
 
-    pub(super) fn member(&self, coordinate: usize) -> GroupedCoordinate<'_> {
-        let Slot { group, lane } = Slot::of(coordinate);
-        GroupedCoordinate {
-            motion: &self.series.motions[group],
-            group: &self.series.groups[group],
-            lane,
+    pub(super) fn member(&self, number: usize) -> Member<'_> {
+        let slot = Slot::of(number);
+        Member {
+            series: &self.series,
+            group: &self.series.groups[slot.group],
+            slot,
         }
     }
 }
 
-impl GroupedCoordinate<'_> {
+impl Member<'_> {
     /// Puts the displacement and the coefficients of the velocity in their place.
     pub(super) fn give_motion(&self, motion: &mut DisplacementSeries) {
-        let lane = self.lane % LANES;
-        motion.set(|k| self.motion[k][lane]);
+        let Slot { group, lane } = self.slot;
+        let numbers = &self.series.motions[group];
+        motion.set(|k| numbers[k][lane % LANES]);
     }
 
-    /// The same of a contact that slips.
-    pub(super) fn give_slip(&self, speeds: &mut PowerSeries, friction: &mut PowerSeries) {
-        let lane = self.lane % LANES;
+    /// The same of a contact that slips, and of its memory from order 1 on.
+    pub(super) fn give_slip(&self, of: &mut ContactSeries) {
+        let lane = self.slot.lane % LANES;
+        let (speeds, friction) = (&mut of.speeds, &mut of.friction);
         for k in 0..TERMS {
             speeds[k] = self.group.speeds[k][lane];
             friction[k] = self.group.friction[k][lane];
         }
-    }
-
-    /// The same of its memory, from order 1 on.
-    pub(super) fn give_memory(&self, memories: &mut [PowerSeries]) {
-        let lane = self.lane % LANES;
-        let chunk = &self.group.chunks[self.group.chunk_of[lane]];
-        for (j, memory) in memories.iter_mut().enumerate() {
-            let input = chunk.input(j);
+        let chunk_of = &self.group.chunks[self.group.chunk_of[lane]];
+        for (j, memory) in of.memories.iter_mut().enumerate() {
+            let input = chunk_of.input(j);
             for k in 1..TERMS {
                 memory[k] = input[k][lane];
             }
@@ -276,37 +329,23 @@ impl GroupedCoordinate<'_> {
 
     /// The same of the force in a contact, from order 1 on.
     pub(super) fn give_carried(&self, carried: &mut PowerSeries) {
-        let lane = self.lane % LANES;
+        let lane = self.slot.lane % LANES;
         for k in 1..TERMS {
             carried[k] = self.group.carried[k][lane];
         }
     }
 }
 
-/// The diagonal of each group's rows of a matrix, and the columns beside it.
-fn rows_of(matrix: &Sparse) -> Vec<(Lanes, Vec<(Slot, Lanes)>)> {
-    let rows: Vec<_> = matrix.rows().collect();
-    // Where the column of a coordinate is in the group under way.
-    let mut places = vec![usize::MAX; rows.len()];
-    let groups = rows.chunks(LANES).map(|rows| {
-        let mut diagonal = [0.0; LANES];
-        let mut columns: Vec<(Slot, Lanes)> = Vec::new();
-        for (lane, &(own, beside)) in rows.iter().enumerate() {
-            diagonal[lane] = own;
-            for &(j, a) in beside {
-                if places[j] == usize::MAX {
-                    places[j] = columns.len();
-                    columns.push((Slot::of(j), [0.0; LANES]));
-                }
-                columns[places[j]].1[lane] = a;
-            }
+/// The columns of up to four rows, each given by its entries.
+fn columns<'r>(rows: impl Iterator<Item = &'r [(usize, f64)]>) -> Columns {
+    let mut columns = BTreeMap::new();
+    for (lane, row) in rows.enumerate() {
+        for &(j, a) in row {
+            columns.entry(j).or_insert([0.0; LANES])[lane] = a;
         }
-        for &(j, _) in rows.iter().flat_map(|&(_, beside)| beside) {
-            places[j] = usize::MAX;
-        }
-        (diagonal, columns)
-    });
-    groups.collect()
+    }
+    let columns = columns.into_iter();
+    columns.map(|(j, entries)| (Slot::of(j), entries)).collect()
 }
 
 /// The sequence in which the orders of many places are computed: group by group, if there are more
@@ -351,12 +390,32 @@ const _: () = assert!(ALL == 26);
 
 impl GroupSeries {
     #[inline(always)]
-    fn all_orders<const CHOSEN: bool, const MEMORY: bool>(&mut self, rows: &[Rows], shift: usize) {
-        let waves = Waves::new(rows.len(), AT_A_TIME, shift);
+    fn all_orders<const CHOSEN: bool, const EXTENDED: bool>(&mut self, fixed: &Fixed) {
+        let waves = fixed.waves;
+        let shared = self.motions.len()..self.groups.len();
         macro_rules! each {
             ($start:ident, $($order:literal)*) => {$(
-                for g in waves.places($start, $order - 1) {
-                    self.order::<$order, CHOSEN, MEMORY>(&rows[g], g);
+                let own = waves.places($start, $order - 1);
+                if EXTENDED {
+                    // Not a chain of ranges: its body would be compiled twice.
+                    for place in 0..own.len() + shared.len() {
+                        let g = match place.checked_sub(own.len()) {
+                            None => own.start + place,
+                            Some(place) => shared.start + place,
+                        };
+                        self.friction_order::<$order, CHOSEN, EXTENDED>(g);
+                    }
+                }
+                for g in own {
+                    if !EXTENDED {
+                        self.friction_order::<$order, CHOSEN, EXTENDED>(g);
+                    }
+                    self.motion_order::<$order, CHOSEN, EXTENDED>(&fixed.rows[g], g);
+                }
+                if EXTENDED {
+                    for (g, directions) in std::iter::zip(shared.clone(), &fixed.directions) {
+                        self.slip_order::<$order, CHOSEN>(directions, g);
+                    }
                 }
             )*};
         }
@@ -365,9 +424,29 @@ impl GroupSeries {
         }
     }
 
-    /// Order K > 0 of what accelerates a group, and K + 1 of its velocities.
+    /// Order K > 0 of the laws of a group.
     #[inline(always)]
-    fn order<const K: usize, const CHOSEN: bool, const MEMORY: bool>(
+    fn friction_order<const K: usize, const CHOSEN: bool, const EXTENDED: bool>(
+        &mut self,
+        g: usize,
+    ) {
+        let group = &mut self.groups[g];
+        let mut friction = [0.0; LANES];
+        for chunk in &mut group.chunks[..group.used] {
+            let mut is_relaxed = false;
+            friction = loop {
+                let sum = chunk.order::<K, CHOSEN, EXTENDED>(group.speeds[K], friction);
+                if !EXTENDED || memory_order(chunk, K, &group.relaxation, &mut is_relaxed) {
+                    break sum;
+                }
+            };
+        }
+        group.friction[K] = friction;
+    }
+
+    /// Order K of what accelerates a group of coordinates, and K + 1 of its velocities.
+    #[inline(always)]
+    fn motion_order<const K: usize, const CHOSEN: bool, const EXTENDED: bool>(
         &mut self,
         rows: &Rows,
         g: usize,
@@ -383,27 +462,23 @@ impl GroupSeries {
             let velocity = self.motions[group][K + 1][lane];
             dampers = mul_add::<CHOSEN>([velocity; LANES], entries, dampers);
         }
+        if EXTENDED {
+            for &(Slot { group, lane }, entries) in &rows.responses {
+                let of = &self.groups[group];
+                let force = of.side[lane] * of.load[lane] * of.friction[K][lane];
+                dampers = mul_add::<CHOSEN>([force; LANES], entries, dampers);
+            }
+        }
         // Number k of a displacement is k q_k.
         let pull = mul_add::<CHOSEN>([INTEGRAL[K - 1]; LANES], springs, dampers);
         let group = &mut self.groups[g];
-        let mut friction = [0.0; LANES];
-        for chunk in &mut group.chunks[..group.used] {
-            let mut is_relaxed = false;
-            friction = loop {
-                let sum = chunk.order::<K, CHOSEN, MEMORY>(group.speeds[K], friction);
-                if !MEMORY || memory_order(chunk, K, &group.relaxation, &mut is_relaxed) {
-                    break sum;
-                }
-            };
-        }
         let minus = [-1.0; LANES];
         let mut rate = times(minus, pull);
         if group.is_driven {
             rate = plus(rate, group.given[K]);
         }
         group.carried[K] = rate;
-        group.friction[K] = friction;
-        let braked = times(minus, times(group.load, friction));
+        let braked = times(minus, times(group.load, group.friction[K]));
         let speed = mul_add::<CHOSEN>(group.side, rate, braked);
         let speed = times([INTEGRAL[K]; LANES], speed);
         group.speeds[K + 1] = speed;
@@ -412,6 +487,21 @@ impl GroupSeries {
             velocity = plus(velocity, group.surface[K + 1]);
         }
         self.motions[g][K + 2] = velocity;
+    }
+
+    /// Order K + 1 of the sliding speeds of a group of contacts that share coordinates.
+    #[inline(always)]
+    fn slip_order<const K: usize, const CHOSEN: bool>(&mut self, directions: &Columns, g: usize) {
+        let mut rate = [0.0; LANES];
+        for &(Slot { group, lane }, entries) in directions {
+            let acceleration = self.groups[group].carried[K][lane];
+            rate = mul_add::<CHOSEN>([acceleration; LANES], entries, rate);
+        }
+        let group = &mut self.groups[g];
+        if group.is_driven {
+            rate = plus(rate, group.given[K]);
+        }
+        group.speeds[K + 1] = times([INTEGRAL[K]; LANES], times(group.side, rate));
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    /// Present if every contact of the structure has its own coordinate and a constant load: such
+    /// Present if no contact of the structure has a spring, and all loads are constant: such
     /// contacts never open.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
@@ -237,9 +237,7 @@ impl Series {
             }
         });
         let contacts: Vec<ContactSeries> = contacts.collect();
-        let is_simple = model.shared.is_empty()
-            && model.springs.is_empty()
-            && contacts.iter().all(|of| !of.load_varies);
+        let is_simple = model.springs.is_empty() && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(constant(force))
