@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::ALL;
 use super::alone::{expand_alone, slips_alone};
+use super::edge::Edge;
 use super::groups::Waves;
 use super::model::{Model, Target};
 use super::series::{ContactSeries, CoordinateSeries, DisplacementSeries, Role, Series, StepMode};
@@ -11,7 +12,7 @@ use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
-use crate::series::{INTEGRAL, PowerSeries};
+use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// The fault of a law that returns NaN, an infinity or no series.
 #[derive(Debug, Clone, Copy)]
@@ -148,6 +149,9 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     }
     let is_delicate = !are_apart && is_delicate(model, situation);
     let is_grouped = |(c, of): (usize, &ContactSeries)| match of.mode {
+        _ if model.contacts[c].is_elastic() => {
+            of.guided.is_none() && situation.contacts[c].edge == Edge::Away
+        }
         StepMode::Stick => of.memories.is_empty() && !model.is_shared(c),
         StepMode::Slip | StepMode::Open => true,
     };
@@ -185,6 +189,13 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
 
 /// All orders after the first of simple contacts, four side by side.
 fn expand_groups(model: &Model<'_>, series: &mut Series) {
+    // Without the forces of springs, which are added below.
+    for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
+        let force = &mut series.coordinates[j].force;
+        for k in 1..TERMS {
+            force[k] = given[k];
+        }
+    }
     let Series {
         coordinates,
         contacts,
@@ -215,11 +226,23 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             groups.drive(i, &coordinate.force, surface);
         }
     }
-    for (place, &c) in model.shared.iter().enumerate() {
-        let (number, contact) = (groups.number_of_shared(place), &model.contacts[c]);
-        groups.slip(number, contact.law, &contacts[c]);
+    for (place, c) in model.unowned().enumerate() {
+        let number = groups.number_of_unowned(place);
+        let (contact, of) = (&model.contacts[c], &mut contacts[c]);
+        match contact.tangential_stiffness {
+            Some(stiffness) => {
+                let speeds = of.first_speeds(contact, coordinates);
+                let [stiffness, side] = match of.mode {
+                    StepMode::Open => [0.0, 0.0],
+                    StepMode::Stick => [stiffness, 1.0],
+                    StepMode::Slip => [0.0, of.side],
+                };
+                groups.spring(number, [stiffness, side], speeds);
+            }
+            None => groups.slip(number, contact.law, of),
+        }
         if !contact.belt_velocity.is_constant() {
-            groups.drive(number, &PowerSeries::ZERO, Some(&contacts[c].surface));
+            groups.drive(number, &PowerSeries::ZERO, Some(&of.surface));
         }
     }
     groups.expand();
@@ -237,9 +260,19 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             found.give_motion(&mut coordinate.motion);
         }
     }
-    for (place, &c) in model.shared.iter().enumerate() {
-        let found = groups.member(groups.number_of_shared(place));
-        found.give_slip(&mut contacts[c]);
+    for (place, c) in model.unowned().enumerate() {
+        let found = groups.member(groups.number_of_unowned(place));
+        let (contact, of) = (&model.contacts[c], &mut contacts[c]);
+        if !contact.is_elastic() {
+            found.give_slip(of);
+            continue;
+        }
+        found.give_spring(of);
+        for &(j, x) in contact.responses() {
+            for k in 1..TERMS {
+                coordinates[j].force[k] -= x * of.carried[k];
+            }
+        }
     }
 }
 

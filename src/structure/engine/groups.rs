@@ -1,6 +1,6 @@
 //! The series of coordinates in groups of four, side by side in the lanes of vector registers. Used
-//! for steps in which all loads are constant, every contact that sticks has a coordinate to itself
-//! and no memory, and no series is of rounding.
+//! for steps in which all loads are constant, every rigid contact that sticks has a coordinate to
+//! itself and no memory, and no series is of rounding.
 //!
 //! The laws are recorded at the start of the step: see `scalar/recorded.rs`. All coordinates of a
 //! group follow one equation, without a branch:
@@ -11,10 +11,12 @@
 //! ```
 //!
 //! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those without a contact of their
-//! own. The contacts that share coordinates have groups, too, with ℓ_c = σ N m_k and
+//! own. The contacts without a coordinate of their own have groups, too, with
 //!
 //! ```text
-//! a_k = (b·v' − w')_k,   y_{k+1} = σ a_k/(k + 1)
+//! y_{k+1} = σ (b·v − w)_{k+1}
+//! ℓ_c = σ N m_k                if the contact is rigid and slips
+//! ℓ_c = T_k = k_t y_{k−1}/k    if it is elastic and its slider is at rest, with σ = 1
 //! ```
 //!
 //! A memory z follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
@@ -24,7 +26,7 @@ use std::ops::Range;
 
 use super::ALL;
 use super::model::Model;
-use super::series::{ContactSeries, DisplacementSeries};
+use super::series::{ContactSeries, DisplacementSeries, StepMode};
 use super::slow::correction;
 use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
@@ -36,8 +38,8 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 /// see [`Waves`].
 const AT_A_TIME: usize = 4;
 
-/// All groups: those of coordinates and their own contacts, then those of the contacts that share
-/// coordinates.
+/// All groups: those of coordinates and their own contacts, then those of [all other
+/// contacts](Model::unowned).
 #[derive(Debug, Clone)]
 pub(super) struct Groups {
     fixed: Fixed,
@@ -52,7 +54,7 @@ pub(super) struct Groups {
 struct Fixed {
     /// Those of each group of coordinates.
     rows: Vec<Rows>,
-    /// The directions b of each group of contacts that share coordinates.
+    /// The directions b of each group of contacts without a coordinate of their own.
     directions: Vec<Columns>,
     waves: Waves,
 }
@@ -66,7 +68,7 @@ struct Rows {
     /// The diagonals of M⁻¹K and M⁻¹C, and the columns beside them that are not 0.
     diagonal: [Lanes; 2],
     beside: [Columns; 2],
-    /// x_c of the contacts that share coordinates.
+    /// x_c of the contacts without a coordinate of their own.
     responses: Columns,
 }
 
@@ -100,7 +102,11 @@ struct Group {
     side: Lanes,
     load: Lanes,
     speeds: [Lanes; TERMS],
+    /// m, or T of an elastic contact.
     friction: [Lanes; TERMS],
+    /// True if a slider of the group is at rest: then k_t of each, and 0 in other lanes.
+    is_elastic: bool,
+    stiffness: Lanes,
     /// a.
     carried: [Lanes; TERMS],
     /// True if a force or a surface of the group varies: then M⁻¹f − w', and w.
@@ -117,7 +123,7 @@ struct Group {
     relaxation: Lanes,
 }
 
-/// The series of a coordinate and its contact, or of a contact that shares coordinates.
+/// The series of a coordinate and its contact, or of another contact.
 pub(super) struct Member<'g> {
     series: &'g GroupSeries,
     group: &'g Group,
@@ -128,7 +134,8 @@ impl Groups {
     pub(super) fn new(model: &Model<'_>) -> Self {
         let count = model.len().div_ceil(LANES);
         let mut responses = vec![Vec::new(); model.len()];
-        for (place, &c) in model.shared.iter().enumerate() {
+        let unowned: Vec<usize> = model.unowned().collect();
+        for (place, &c) in unowned.iter().enumerate() {
             for &(j, x) in model.contacts[c].responses() {
                 responses[j].push((count * LANES + place, x));
             }
@@ -148,15 +155,17 @@ impl Groups {
                 responses: columns(own.map(|i| &responses[i][..])),
             }
         });
-        let shared = model.shared.chunks(LANES);
-        let directions =
-            shared.map(|shared| columns(shared.iter().map(|&c| &*model.contacts[c].direction)));
+        let directions = unowned
+            .chunks(LANES)
+            .map(|unowned| columns(unowned.iter().map(|&c| &*model.contacts[c].direction)));
         let zero = [[0.0; LANES]; TERMS];
         let group = Group {
             side: [0.0; LANES],
             load: [0.0; LANES],
             speeds: zero,
             friction: zero,
+            is_elastic: false,
+            stiffness: [0.0; LANES],
             carried: zero,
             is_driven: false,
             given: zero,
@@ -167,7 +176,7 @@ impl Groups {
             relaxation: [0.0; LANES],
         };
         let directions: Vec<Columns> = directions.collect();
-        // Contacts that share coordinates couple them all.
+        // Contacts may couple any coordinates.
         let at_a_time = if directions.is_empty() {
             AT_A_TIME
         } else {
@@ -188,9 +197,9 @@ impl Groups {
         }
     }
 
-    /// The number of a contact that shares coordinates, from its place among them. A coordinate and
-    /// its own contact have the number of the coordinate.
-    pub(super) fn number_of_shared(&self, place: usize) -> usize {
+    /// The number of a contact without a coordinate of its own, from its place among them. A
+    /// coordinate and its own contact have the number of the coordinate.
+    pub(super) fn number_of_unowned(&self, place: usize) -> usize {
         self.series.motions.len() * LANES + place
     }
 
@@ -200,6 +209,7 @@ impl Groups {
         for group in &mut self.series.groups {
             (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
             (group.is_driven, group.relaxation) = (false, [0.0; LANES]);
+            (group.is_elastic, group.stiffness) = (false, [0.0; LANES]);
         }
     }
 
@@ -246,6 +256,19 @@ impl Groups {
             for k in 1..TERMS {
                 row[k][lane] = memory[k];
             }
+        }
+    }
+
+    /// Sets an elastic contact: its stiffness and the sign of y, which are k_t and 1 while its slider
+    /// is at rest, 0 and σ in slip, and y up to order 1.
+    pub(super) fn spring(&mut self, number: usize, [stiffness, side]: [f64; 2], speeds: [f64; 2]) {
+        let Slot { group, lane } = Slot::of(number);
+        let group = &mut self.series.groups[group];
+        (group.side[lane], group.load[lane]) = (side, 1.0);
+        group.stiffness[lane] = stiffness;
+        group.is_elastic |= stiffness > 0.0;
+        for (own, speed) in std::iter::zip(&mut group.speeds, speeds) {
+            own[lane] = speed;
         }
     }
 
@@ -327,6 +350,22 @@ impl Member<'_> {
         }
     }
 
+    /// The same of the force in an elastic contact, and of the speed of its slider, from order 2
+    /// on. The last coefficient of the speed remains 0.
+    pub(super) fn give_spring(&self, of: &mut ContactSeries) {
+        let lane = self.slot.lane % LANES;
+        let (speeds, stiffness) = (&self.group.speeds, self.group.stiffness[lane]);
+        for k in 2..TERMS {
+            let carried = stiffness * speeds[k - 1][lane] * INTEGRAL[k - 1];
+            (of.carried[k], of.memories[0][k]) = (carried, carried);
+        }
+        if of.mode == StepMode::Slip {
+            for k in 2..ALL {
+                of.speeds[k] = speeds[k][lane];
+            }
+        }
+    }
+
     /// The same of the force in a contact, from order 1 on.
     pub(super) fn give_carried(&self, carried: &mut PowerSeries) {
         let lane = self.slot.lane % LANES;
@@ -392,16 +431,16 @@ impl GroupSeries {
     #[inline(always)]
     fn all_orders<const CHOSEN: bool, const EXTENDED: bool>(&mut self, fixed: &Fixed) {
         let waves = fixed.waves;
-        let shared = self.motions.len()..self.groups.len();
+        let unowned = self.motions.len()..self.groups.len();
         macro_rules! each {
             ($start:ident, $($order:literal)*) => {$(
                 let own = waves.places($start, $order - 1);
                 if EXTENDED {
                     // Not a chain of ranges: its body would be compiled twice.
-                    for place in 0..own.len() + shared.len() {
+                    for place in 0..own.len() + unowned.len() {
                         let g = match place.checked_sub(own.len()) {
                             None => own.start + place,
-                            Some(place) => shared.start + place,
+                            Some(place) => unowned.start + place,
                         };
                         self.friction_order::<$order, CHOSEN, EXTENDED>(g);
                     }
@@ -413,7 +452,7 @@ impl GroupSeries {
                     self.motion_order::<$order, CHOSEN, EXTENDED>(&fixed.rows[g], g);
                 }
                 if EXTENDED {
-                    for (g, directions) in std::iter::zip(shared.clone(), &fixed.directions) {
+                    for (g, directions) in std::iter::zip(unowned.clone(), &fixed.directions) {
                         self.slip_order::<$order, CHOSEN>(directions, g);
                     }
                 }
@@ -440,6 +479,10 @@ impl GroupSeries {
                     break sum;
                 }
             };
+        }
+        if EXTENDED && group.is_elastic {
+            let rate = times(group.stiffness, group.speeds[K - 1]);
+            friction = mul_add::<CHOSEN>([INTEGRAL[K - 1]; LANES], rate, friction);
         }
         group.friction[K] = friction;
     }
@@ -489,19 +532,19 @@ impl GroupSeries {
         self.motions[g][K + 2] = velocity;
     }
 
-    /// Order K + 1 of the sliding speeds of a group of contacts that share coordinates.
+    /// Order K + 1 of the sliding speeds of a group of contacts without a coordinate of their own.
     #[inline(always)]
     fn slip_order<const K: usize, const CHOSEN: bool>(&mut self, directions: &Columns, g: usize) {
-        let mut rate = [0.0; LANES];
+        let mut relative = [0.0; LANES];
+        if self.groups[g].is_driven {
+            relative = times([-1.0; LANES], self.groups[g].surface[K + 1]);
+        }
         for &(Slot { group, lane }, entries) in directions {
-            let acceleration = self.groups[group].carried[K][lane];
-            rate = mul_add::<CHOSEN>([acceleration; LANES], entries, rate);
+            let velocity = self.motions[group][K + 2][lane];
+            relative = mul_add::<CHOSEN>([velocity; LANES], entries, relative);
         }
         let group = &mut self.groups[g];
-        if group.is_driven {
-            rate = plus(rate, group.given[K]);
-        }
-        group.speeds[K + 1] = times([INTEGRAL[K]; LANES], times(group.side, rate));
+        group.speeds[K + 1] = times(group.side, relative);
     }
 }
 

@@ -371,6 +371,12 @@ impl<'s> Model<'s> {
         }
     }
 
+    /// The contacts without a coordinate of their own: those that share coordinates, then those
+    /// with a spring.
+    pub(super) fn unowned(&self) -> impl Iterator<Item = usize> {
+        self.shared.iter().chain(&self.springs).copied()
+    }
+
     /// Returns true if a rigid contact shares coordinates with others, or has several.
     pub(crate) fn is_shared(&self, contact: usize) -> bool {
         matches!(self.contacts[contact].site, Site::Shared { .. })

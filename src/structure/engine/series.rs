@@ -21,8 +21,7 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    /// Present if no contact of the structure has a spring, and all loads are constant: such
-    /// contacts never open.
+    /// Present if all loads are constant and no contact has a normal spring: none opens.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -237,7 +236,11 @@ impl Series {
             }
         });
         let contacts: Vec<ContactSeries> = contacts.collect();
-        let is_simple = model.springs.is_empty() && contacts.iter().all(|of| !of.load_varies);
+        let has_springs = model
+            .contacts
+            .iter()
+            .any(|contact| !contact.reaction.is_empty());
+        let is_simple = !has_springs && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(constant(force))

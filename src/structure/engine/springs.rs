@@ -119,6 +119,28 @@ impl ContactSeries {
         }
         (self.carried[k], self.carried[k + 1]) = (carried[k], carried[k + 1]);
     }
+
+    /// The first two orders of r while the slider is at rest, and of the slider's speed in slip,
+    /// under a constant load, after order 0 of all velocities.
+    pub(super) fn first_speeds(
+        &mut self,
+        contact: &ContactData<'_>,
+        coordinates: &[CoordinateSeries],
+    ) -> [f64; 2] {
+        let velocity = |k: usize| contact.along(|j| coordinates[j].motion.velocity(k));
+        let relative = [0, 1].map(|k| velocity(k) - self.surface[k]);
+        if self.mode != StepMode::Slip {
+            return relative;
+        }
+        // A zero that the decision knows.
+        let is_zero = self.rate.is_some();
+        self.speeds[1] = if is_zero {
+            0.0
+        } else {
+            self.side * relative[1]
+        };
+        [self.speeds[0], self.speeds[1]]
+    }
 }
 
 /// The force of an elastic contact at its limit, σμN, with exactly the bits of the series that

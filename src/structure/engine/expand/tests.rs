@@ -1,11 +1,15 @@
 use nalgebra::DMatrix;
 
 use super::super::{ALL, Engine};
-use super::{Model, Series, Situation, StepMode, all_of, expand, shared_order, slips_alone, start};
+use super::{
+    Model, Series, Situation, StepMode, all_of, expand, shared_order, slips_alone, spring_order,
+    start,
+};
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::memory::{Dahl, Dwell, LuGre};
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
+use crate::series::PowerSeries;
 use crate::state::structure::State;
 use crate::structure::{Contact, Structure};
 
@@ -79,6 +83,7 @@ fn assert_agree(h: f64, found: &Series, expected: &Series) {
     for i in 0..found.coordinates.len() {
         let velocity = |of: &Series, k: usize| of.coordinates[i].motion.velocity(k);
         assert_close(&velocity, ALL + 1, "v");
+        assert_close(&|of, k| of.coordinates[i].force[k], ALL, "force");
     }
     for c in 0..found.contacts.len() {
         if found.contacts[c].mode == StepMode::Stick {
@@ -95,8 +100,15 @@ fn assert_agree(h: f64, found: &Series, expected: &Series) {
 }
 
 fn expand_generally(model: &Model<'_>, situation: &Situation, series: &mut Series) {
+    for of in &mut series.contacts {
+        // Nothing of another way remains.
+        (of.speeds, of.carried) = (PowerSeries::ZERO, PowerSeries::ZERO);
+    }
     start(model, situation, series);
     for k in 0..ALL {
+        if k > 0 {
+            spring_order(model, series, k);
+        }
         all_of(model, series, k, 0..model.len());
         shared_order(model, situation, series, k, false);
     }
@@ -234,4 +246,61 @@ fn shared_contacts_have_the_series_of_the_general_way() {
         }
     }
     assert!(compared > 100, "{compared}");
+}
+
+/// Masses joined by elastic contacts and by springs, some on rigid contacts, some coupled by their
+/// mass matrix, in forced motions in which sliders start and stop.
+#[test]
+fn elastic_contacts_have_the_series_of_the_general_way() {
+    let [mut at_rest, mut slipping] = [0; 2];
+    for n in [1, 2, 3, 4, 5, 8, 9] {
+        for [full_mass, with_rigid] in [[false, false], [true, false], [false, true]] {
+            let mass = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+                0 => 1.0 + 0.1 * i as f64,
+                1 if full_mass => 0.2,
+                _ => 0.0,
+            });
+            let mut structure = Structure::with_mass_matrix(mass).unwrap();
+            for i in 0..n {
+                let force = Drive::sine(1.0 + 0.3 * i as f64, 1.3).unwrap();
+                let joint = if i % 3 == 2 {
+                    Contact::between(i, i - 1, Coulomb::new(0.4, 0.4).unwrap(), 1.0)
+                } else {
+                    Contact::new(i, Coulomb::new(0.5, 0.5).unwrap(), 1.0)
+                };
+                let joint = joint
+                    .and_then(|joint| joint.with_tangential_stiffness(3.0 + i as f64))
+                    .unwrap()
+                    .on_belt(Drive::sine(if i % 2 == 1 { 0.2 } else { 0.0 }, 2.0).unwrap());
+                structure = structure
+                    .with_ground_spring(i, 1.0 + 0.1 * i as f64)
+                    .and_then(|structure| structure.with_force(i, force))
+                    .and_then(|structure| structure.with_contact(joint))
+                    .unwrap();
+                if i > 0 {
+                    structure = structure.with_spring(i - 1, i, 0.3).unwrap();
+                }
+                if with_rigid && i % 2 == 0 {
+                    let contact = Contact::new(i, law(i), 0.3).unwrap().on_belt(0.1);
+                    structure = structure.with_contact(contact).unwrap();
+                }
+            }
+            let (model, clock) = (structure.model(), Clock::at(0.0));
+            let state = State::at_rest(n);
+            let (mut engine, _) = Engine::start(model, f64::EPSILON, clock, &state).unwrap();
+            assert!(engine.series.groups.is_some());
+            for _ in 0..60 {
+                engine.step().unwrap();
+                for (c, of) in engine.series.contacts.iter().enumerate() {
+                    let is_elastic = engine.model.contacts[c].is_elastic();
+                    at_rest += usize::from(is_elastic && of.mode == StepMode::Stick);
+                    slipping += usize::from(is_elastic && of.mode == StepMode::Slip);
+                }
+                let mut general = engine.series.clone();
+                expand_generally(&engine.model, &engine.situation, &mut general);
+                assert_agree(0.02, &engine.series, &general);
+            }
+        }
+    }
+    assert!(at_rest > 1000 && slipping > 1000, "{at_rest} {slipping}");
 }
