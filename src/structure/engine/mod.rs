@@ -14,7 +14,7 @@
 //! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
-//! | `groups.rs` | those of many simple contacts, four side by side |
+//! | `groups.rs` | those of contacts under constant loads, four side by side |
 //! | `alone.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
 //! | `instant.rs` | forces and accelerations at any time within a step |
