@@ -53,7 +53,8 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] if A is negative or not finite, or |v_b| + A overflows;
+/// * [`Error::InvalidParameter`] if A is negative or not finite, or if |v_b| + A, γ²·dμ̂/ds or A'
+///   overflows;
 /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
 ///   finite slope at a speed up to |v_b| + A.
 ///
@@ -70,7 +71,9 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
-    Ok(SlowFlow::at(&system.belt(), amplitude, 0.0)?.drift(amplitude))
+    let system = system.belt();
+    let drift = SlowFlow::at(&system, amplitude, 0.0)?.drift(amplitude);
+    in_range(&system, drift)
 }
 
 /// Slope dA'/dA of the [`drift`] A' at the amplitude A ≥ 0, dimensionless: the growth rate of a
@@ -133,6 +136,9 @@ impl SlowFlow {
             jump *= sine;
         }
         let size = system.damping() + system.load() * mean.peak.max(steepest);
+        for number in [rate, jump, slope, size] {
+            in_range(system, number)?;
+        }
         Ok(Self {
             rate,
             jump,
@@ -159,6 +165,19 @@ impl SlowFlow {
             noise: self.noise + 16.0 * f64::EPSILON * jump + 4.0 * f64::EPSILON * self.slope.abs(),
         }
     }
+}
+
+/// Returns a term of the slow flow if it does not overflow.
+fn in_range(system: &Belt<'_>, term: f64) -> Result<f64, Error> {
+    let allowed = "γ²·max abs(dμ̂/ds), and the drift divided by the amplitude, finite";
+    Error::check(
+        "averaging",
+        "load",
+        system.load(),
+        term.is_finite(),
+        allowed,
+    )?;
+    Ok(term)
 }
 
 /// The sine of θ, where cos θ = |v_b|/A < 1, without cancellation.
@@ -310,7 +329,7 @@ impl AveragedCycle {
 ///
 /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
 ///   finite slope at a speed up to 3|v_b|;
-/// * [`Error::InvalidParameter`] if 3|v_b| overflows.
+/// * [`Error::InvalidParameter`] if 3|v_b|, γ²·dμ̂/ds or A'/A overflows.
 ///
 /// ```
 /// use stick_slip::analysis::averaging;
@@ -340,8 +359,12 @@ fn cycles_of(system: &Belt<'_>) -> Result<Vec<AveragedCycle>, Error> {
         return Ok(Vec::new());
     }
     let steepest = steepest_at_breakpoints(system.law(), 3.0 * w)?;
-    let mut growth_rate =
-        |amplitude: f64| Ok(SlowFlow::at(system, amplitude, steepest)?.growth_rate(amplitude));
+    let mut growth_rate = |amplitude: f64| {
+        let sample = SlowFlow::at(system, amplitude, steepest)?.growth_rate(amplitude);
+        in_range(system, sample.value)?;
+        in_range(system, sample.noise)?;
+        Ok(sample)
+    };
     let mut nodes = Vec::new();
     for ends in touching_amplitudes(system.law(), w).windows(2) {
         let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);

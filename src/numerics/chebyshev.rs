@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::error::Error;
+use crate::numerics::power_of_two;
 
 /// A value and the size of its rounding error.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +29,8 @@ const MOST_PIECES: usize = 2000;
 
 /// Points, in ascending t, between which f(x(t)), 0 ≤ t ≤ 1, has at most one root. Between two of
 /// them the Chebyshev interpolant of f∘x is resolved to round-off, and the sizes of its
-/// coefficients show that it has no root or is monotone. x(t) must be monotone, and f∘x analytic.
+/// coefficients show that it has no root or is monotone; or that of ln|f∘x| is resolved, so that
+/// f∘x has no root. x(t) must be monotone, and f∘x analytic.
 pub(crate) fn isolate(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     x: &dyn Fn(f64) -> f64,
@@ -50,7 +52,7 @@ pub(crate) fn isolate(
             let at = x(t);
             samples.push((t, Node { at, sample: f(at)? }));
         }
-        let settled = has_one_root_at_most(&samples, &cosines);
+        let settled = has_one_root_at_most(&samples, &cosines) || keeps_sign(&samples, &cosines);
         if settled || end - start <= SHORTEST || made + 2 > MOST_PIECES {
             nodes.extend([samples[DEGREE], samples[0]]);
         } else {
@@ -77,10 +79,9 @@ pub(crate) fn sign_throughout(
     let mut pieces = vec![(0.0, 1.0)];
     let mut made = 0;
     while let Some((start, end)) = pieces.pop() {
-        let mut logarithms = [0.0; DEGREE + 1];
         let mut samples = Vec::with_capacity(DEGREE + 1);
         let mut surest = f64::INFINITY;
-        for (logarithm, cosine) in std::iter::zip(&mut logarithms, &cosines) {
+        for cosine in &cosines[..=DEGREE] {
             let t = 0.5 * ((start + end) + (end - start) * cosine);
             let at = x(t);
             let sample = f(at)?;
@@ -92,12 +93,10 @@ pub(crate) fn sign_throughout(
             }
             positive = Some(value > 0.0);
             surest = surest.min(value.abs() / noise);
-            *logarithm = value.abs().ln();
             samples.push((t, Node { at, sample }));
         }
-        let tail = sum(&coefficients(&logarithms, &cosines)[DEGREE - 2..]);
         // Between two values of one sign there is not one root alone.
-        if tail > SMOOTH_LOGARITHM && !has_one_root_at_most(&samples, &cosines) {
+        if !keeps_sign(&samples, &cosines) && !has_one_root_at_most(&samples, &cosines) {
             made += 2;
             if made > MOST_HALVES || surest < HARDLY_SURE {
                 return Ok(None);
@@ -132,13 +131,31 @@ fn coefficients(values: &[f64; DEGREE + 1], cosines: &[f64; 2 * DEGREE]) -> [f64
     })
 }
 
+/// Returns true if all values have one sign beyond doubt, and the interpolant of their logarithms
+/// is resolved. A function that falls by hundreds of decades has a smooth logarithm.
+fn keeps_sign(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {
+    let sign = samples[0].1.sample.value.signum();
+    let mut logarithms = [0.0; DEGREE + 1];
+    for (logarithm, (_, node)) in std::iter::zip(&mut logarithms, samples) {
+        let Sample { value, noise } = node.sample;
+        let is_sure = value * sign > noise;
+        if !is_sure {
+            return false;
+        }
+        *logarithm = value.abs().ln();
+    }
+    sum(&coefficients(&logarithms, cosines)[DEGREE - 2..]) <= SMOOTH_LOGARITHM
+}
+
 fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {
-    let noise = samples
-        .iter()
-        .fold(0.0_f64, |noise, (_, node)| noise.max(node.sample.noise));
+    // In a unit in which no sum overflows. A power of two causes no rounding.
+    let sizes = samples.iter().map(|(_, node)| node.sample.value.abs());
+    let unit = power_of_two(sizes.fold(0.0, f64::max));
+    let noises = samples.iter().map(|(_, node)| node.sample.noise);
+    let noise = noises.fold(0.0, f64::max) / unit;
     let mut values = [0.0; DEGREE + 1];
     for (value, (_, node)) in std::iter::zip(&mut values, samples) {
-        *value = node.sample.value;
+        *value = node.sample.value / unit;
     }
     let c = coefficients(&values, cosines);
     let resolved = sum(&c[DEGREE - 3..]) <= 4.0 * noise;

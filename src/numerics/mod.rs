@@ -27,3 +27,10 @@ pub(crate) mod scan;
 pub(crate) mod testing;
 pub(crate) mod trace;
 pub(crate) mod with_slopes;
+
+/// The power of two of a size ≥ 0, at least that of the smallest normal number: a unit that causes
+/// no rounding, in which numbers up to this size do not overflow in sums and products.
+pub(crate) fn power_of_two(size: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(size.max(f64::MIN_POSITIVE).to_bits() & EXPONENT)
+}

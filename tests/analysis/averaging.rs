@@ -467,6 +467,63 @@ fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
     check(saw(), 0.45, 650_000);
 }
 
+/// The growth rate of a law that falls within a small part of the belt velocity is as small as
+/// exp(−w²/v_s²) at small amplitudes, but it has one sign there.
+#[test]
+fn a_growth_rate_over_hundreds_of_decades_needs_few_places() {
+    for (w, narrow) in [(0.2, 1e-3), (3.0, 1e-3), (0.2, 1e-4)] {
+        let looks = Cell::new(0);
+        let law = Exponential::new(0.4, 0.0, narrow).unwrap();
+        let law = Counted { law, looks: &looks };
+        let found = cycles(&MassOnBelt::new(law, w).unwrap()).unwrap();
+        assert_eq!(found.len(), 1);
+        let amplitude = found[0].amplitude();
+        assert!(w < amplitude && amplitude < w + narrow, "{amplitude}");
+        // Without the logarithm of the rate it takes 1223 to 1345 pieces.
+        assert!(looks.get() < 6_000_000, "{}", looks.get());
+    }
+}
+
+/// Slopes and rates near the ends of f64 are computed or refused, in few evaluations.
+#[test]
+fn laws_at_the_ends_of_f64_are_computed_or_refused() {
+    let mut refused = 0;
+    let mut computed = 0;
+    for top in [1e-300, 1e150, 1e300, 1e307, 5e307, 1.7e308] {
+        for (least, width) in [(0.0, 0.5), (0.5 * top, 0.01), (0.5 * top, 1e3), (top, 1.0)] {
+            for w in [1e-5, 0.2, 3.0] {
+                let looks = Cell::new(0);
+                let Ok(law) = Exponential::new(top, least, width) else {
+                    continue;
+                };
+                let Ok(system) = MassOnBelt::new(Counted { law, looks: &looks }, w) else {
+                    continue;
+                };
+                match cycles(&system) {
+                    Ok(found) => {
+                        computed += 1;
+                        for cycle in found {
+                            let numbers = [cycle.amplitude(), cycle.drift_slope()];
+                            assert!(numbers.iter().all(|x| x.is_finite()), "{cycle:?}");
+                        }
+                    }
+                    Err(Error::InvalidParameter { name: "load", .. }) => refused += 1,
+                    // The slope of the law itself overflows.
+                    Err(Error::NotAnalytic { .. }) => {}
+                    Err(error) => panic!("{error:?}"),
+                }
+                let drift = drift(&system, 1.5 * w).unwrap_or(0.0);
+                assert!(drift.is_finite());
+                assert!(
+                    looks.get() < 6_000_000,
+                    "{top} {least} {width} {w}: {looks:?}"
+                );
+            }
+        }
+    }
+    assert!(refused > 0 && computed > 20, "{refused} {computed}");
+}
+
 #[test]
 fn polynomial_law_has_closed_forms() {
     let [a, b, c, d, e, f] = RANGES;
