@@ -98,6 +98,11 @@ pub struct PhysicalMassOnBelt<L> {
     system: MassOnBelt<Scaled<L>>,
 }
 
+/// Returns true unless a state overflows in its units.
+fn is_finite(state: State) -> bool {
+    state.displacement.is_finite() && state.velocity.is_finite()
+}
+
 impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// Creates a system from its parameters and a law whose speeds are in m/s.
     ///
@@ -166,16 +171,30 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn friction_force(&self, state: impl Into<State>) -> f64 {
-        let state = self.scaling.dimensionless_state(state);
-        self.scaling.newtons(self.system.friction_force(state))
+        let given = state.into();
+        let relative_velocity = given.velocity - self.physical().belt_velocity;
+        let state = self.scaling.dimensionless_state(given);
+        if is_finite(state) || relative_velocity == 0.0 {
+            return self.scaling.newtons(self.system.friction_force(state));
+        }
+        -self.physical().normal_force * self.law().coefficient(relative_velocity)
     }
 
     /// The acceleration of the mass, in m/s², for a state in m and m/s:
-    /// [`MassOnBelt::acceleration`].
+    /// [`MassOnBelt::acceleration`]. If it overflows, the result is ±∞.
     pub fn acceleration(&self, state: impl Into<State>) -> f64 {
-        let state = self.scaling.dimensionless_state(state);
+        let given = state.into();
+        let state = self.scaling.dimensionless_state(given);
         let units = self.scaling.units();
-        self.system.acceleration(state) * units.rate * units.velocity()
+        if is_finite(state) {
+            return self.system.acceleration(state) * units.rate * units.velocity();
+        }
+        // The force of the spring and that of the damper may overflow with different signs.
+        const SMALL: f64 = f64::from_bits((1023 - 600) << 52);
+        let [displacement, velocity] = [given.displacement, given.velocity].map(|x| x * SMALL);
+        let friction = SMALL * self.friction_force(given) / self.physical().mass;
+        let damper = 2.0 * self.system.damping() * units.rate * velocity;
+        (friction - damper - units.rate * units.rate * displacement) / SMALL
     }
 
     /// The release point, in m and m/s: [`MassOnBelt::release_state`].

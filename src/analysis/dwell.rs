@@ -130,7 +130,7 @@ impl DwellOscillator {
     /// * the mass overtakes the belt: to stick at the end of slip, it would need a friction force
     ///   above N·μ_s(0), opposite to the force at the release. This happens only if static friction
     ///   rises far above N·μ_s(0);
-    /// * a field is out of its range.
+    /// * a field is out of its range, or a number of the cycle overflows.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let least = match self.fold_arc(&of) {
@@ -181,8 +181,8 @@ impl DwellOscillator {
     /// rounding errors, and the multiplier is undetermined.
     ///
     /// `None` without damping (there is no unstable cycle), if static friction does not rise, if c
-    /// ≥ 2√(km), if the mass overtakes the belt (see [`stick_slip`](Self::stick_slip)), or if a
-    /// field is out of its range.
+    /// ≥ 2√(km), if the mass overtakes the belt (see [`stick_slip`](Self::stick_slip)), if a field
+    /// is out of its range, or if a number of the cycle overflows.
     pub fn fold(&self) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let p = self.fold_arc(&of)?;
@@ -294,13 +294,22 @@ impl DwellOscillator {
         })
     }
 
-    /// The cycle with an arc, if the mass sticks at the end of the arc.
+    /// The cycle with an arc, if the mass sticks at the end of the arc, and nothing overflows.
     fn cycle(&self, of: &Oscillator, velocity: f64, p: f64) -> Option<ExactCycle> {
         let arc = SlipArc::new(of.damping, p);
         let carried = of.kinetic - of.stiffness * velocity / of.frequency * arc.arrival;
         let sticks = -carried <= self.load * self.law.law().static_coefficient();
         let [_, growth] = self.risen(of, &arc);
-        sticks.then(|| arc.cycle(of, velocity, growth))
+        let cycle = arc.cycle(of, velocity, growth);
+        let numbers = [
+            cycle.belt_velocity,
+            cycle.release_displacement,
+            cycle.contact_displacement,
+            cycle.amplitude,
+            cycle.max_sliding_speed,
+            cycle.period(),
+        ];
+        (sticks && numbers.iter().all(|x| x.is_finite())).then_some(cycle)
     }
 }
 

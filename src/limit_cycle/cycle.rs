@@ -246,7 +246,7 @@ impl LimitCycle {
 
     /// Mean displacement (1/T)∮u dτ, dimensionless.
     pub fn mean_displacement(&self) -> f64 {
-        self.integral_of_displacement() / self.period()
+        self.mean_of_displacement()
     }
 
     /// Floquet multiplier, dimensionless: the factor by which a small perturbation changes over one

@@ -8,6 +8,7 @@ use nalgebra::Complex;
 use super::cycle::LimitCycle;
 use crate::belt::Step;
 use crate::numerics::gauss::{gauss_fours, gauss_legendre};
+use crate::numerics::power_of_two;
 use crate::series::PowerSeries;
 use crate::state::{State, Units};
 
@@ -70,6 +71,7 @@ impl LimitCycle {
     pub fn harmonics(&self, n: usize) -> Vec<Complex<f64>> {
         let omega = self.frequency();
         let mean = self.mean_displacement();
+        let unit = self.unit_of_displacement();
         (1..=n)
             .map(|k| {
                 let k = k as f64;
@@ -83,14 +85,14 @@ impl LimitCycle {
                                 let from = i as f64 * width;
                                 gauss_legendre(from, from + width, |t| {
                                     let phase = k * omega * (step.start.time + t);
-                                    (step.state_at(t).displacement - mean) * weight(phase)
+                                    (step.state_at(t).displacement - mean) / unit * weight(phase)
                                 })
                             })
                             .sum::<f64>()
                     };
                     self.steps.iter().map(over).sum::<f64>()
                 };
-                Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period())
+                Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period()) * unit
             })
             .collect()
     }
@@ -207,7 +209,7 @@ impl LimitCycle {
             stiffness, rate, ..
         } = self.units;
         let unit = self.unit_of_velocity();
-        let drive_work = stiffness * (v_b / unit) * (self.integral_of_displacement() / unit);
+        let drive_work = stiffness * (v_b / unit) * self.integral_of_displacement(unit);
         let dissipation = 2.0 * self.damping * stiffness / rate;
         let damper_loss = dissipation * self.integral_of_squared_velocity(unit);
         let in_full = |energy: f64| energy * unit * unit;
@@ -222,14 +224,25 @@ impl LimitCycle {
     /// A power of two, at least 1, as a unit in which the squares of velocities do not overflow. A
     /// power of two causes no rounding.
     fn unit_of_velocity(&self) -> f64 {
-        const EXPONENT: u64 = 0x7ff << 52;
         let [min, max] = self.velocities();
         let largest = self.belt_velocity().abs().max(-min).max(max);
-        f64::from_bits(largest.max(1.0).to_bits() & EXPONENT)
+        power_of_two(largest.max(1.0))
     }
 
-    /// The integral ∮u dτ over one period.
-    pub(super) fn integral_of_displacement(&self) -> f64 {
+    /// Such a unit of displacements, whose products with a long period do not overflow.
+    fn unit_of_displacement(&self) -> f64 {
+        let [min, max] = self.displacements();
+        power_of_two(max.max(-min).max(1.0))
+    }
+
+    /// The mean displacement.
+    pub(super) fn mean_of_displacement(&self) -> f64 {
+        let unit = self.unit_of_displacement();
+        unit * (self.integral_of_displacement(unit) / self.period())
+    }
+
+    /// The integral ∮u dτ over one period, with u counted in a unit.
+    fn integral_of_displacement(&self, unit: f64) -> f64 {
         let over = |step: &Step| {
             let h = step.duration;
             let slipped = step.direction().map_or(0.0, |direction| {
@@ -237,7 +250,7 @@ impl LimitCycle {
                 let twice = PowerSeries::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
                 direction.sign() * twice.at(h)
             });
-            (step.state.displacement + (0.5 * step.belt_velocity + slipped) * h) * h
+            (step.state.displacement + (0.5 * step.belt_velocity + slipped) * h) / unit * h
         };
         self.steps.iter().map(over).sum()
     }

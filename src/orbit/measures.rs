@@ -11,6 +11,7 @@ use super::periodic_orbit::Orbit;
 use crate::clock::Clock;
 use crate::motion::{Mode, Segment, System};
 use crate::numerics::gauss::{gauss_legendre, gauss_nodes};
+use crate::numerics::power_of_two;
 use crate::series::PowerSeries;
 use crate::structure::{EnergyBudget, Step};
 
@@ -78,16 +79,18 @@ impl Coordinate {
             });
             unit * (squares.sum::<f64>() / period).sqrt()
         };
+        // Products with a long period do not overflow in this unit.
+        let unit = power_of_two(largest(ranges[0]).max(1.0));
         let integrals = steps.iter().filter_map(|step| {
             let (h, velocity) = (step.duration(), series(step)?);
             // ∫∫v = h² Σ v_k h^k/((k + 1)(k + 2))
             let twice = PowerSeries::from_fn(|k| velocity[k] / ((k + 1) * (k + 2)) as f64);
             let middle = step.start_time() + 0.5 * h;
             let start = step.state().displacements[coordinate] - mean_velocity * middle;
-            Some((start + twice.at(h) * h) * h)
+            Some((start + twice.at(h) * h) / unit * h)
         });
         Self {
-            mean: integrals.sum::<f64>() / period,
+            mean: unit * (integrals.sum::<f64>() / period),
             mean_velocity,
             rms_velocity: rms(1, PowerSeries::at),
             rms_acceleration: rms(2, PowerSeries::slope_at),
@@ -255,8 +258,7 @@ impl<S: System> Orbit<S> {
 
     /// Work and heat over one period, for each force, contact and damper. For a
     /// [`MassOnBelt`](crate::MassOnBelt) these are the values of
-    /// [`LimitCycle::energy`](crate::LimitCycle::energy). A value with a term that
-    /// overflows is ±∞, or NaN if terms of both signs do.
+    /// [`LimitCycle::energy`](crate::LimitCycle::energy). A value that overflows is ±∞.
     pub fn energy(&self) -> &EnergyBudget {
         &self.measures.energy
     }
@@ -276,6 +278,8 @@ impl<S: Oscillator> Orbit<S> {
             return Vec::new();
         };
         let steps = self.trajectory().steps();
+        let (least, most) = self.extremes(coordinate);
+        let unit = power_of_two(most.max(-least).max(1.0));
         let harmonic = |k: usize| {
             let omega = k as f64 * self.frequency();
             let part = |weight: fn(f64) -> f64| {
@@ -291,7 +295,8 @@ impl<S: Oscillator> Orbit<S> {
                                 let state = S::general(&step.state_at(t));
                                 let displacement = state.displacements[coordinate];
                                 let time = start + t;
-                                (displacement - velocity * time - mean) * weight(omega * time)
+                                (displacement - velocity * time - mean) / unit
+                                    * weight(omega * time)
                             })
                         })
                         .sum::<f64>()
@@ -299,7 +304,7 @@ impl<S: Oscillator> Orbit<S> {
                 let moving = steps.iter().filter(|step| step.duration() > 0.0);
                 moving.map(over).sum::<f64>()
             };
-            Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period())
+            Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period()) * unit
         };
         (1..=n).map(harmonic).collect()
     }

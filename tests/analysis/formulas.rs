@@ -11,12 +11,13 @@ use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
     FreeVibration, largest_stick_slip_velocity, silencing_damping, tangential_slip,
 };
+use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::analysis::{coulomb, design, exponential, polynomial};
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
-    State, Tabulated, limit_cycle,
+    AnyLaw, Coulomb, CycleKind, Dwell, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial,
+    Scalar, State, Tabulated, limit_cycle,
 };
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
@@ -1040,4 +1041,19 @@ fn a_law_without_a_slope_is_not_analytic() {
     assert_eq!(drift_slope(&system, 0.25).unwrap_err(), expected);
     let error = design::stabilizing_damping_over(&system, 0.25..0.5).unwrap_err();
     assert_eq!(error, expected);
+}
+
+/// Forces N μ_s that overflow.
+#[test]
+fn cycles_of_dwell_laws_that_overflow_are_absent() {
+    let law = Coulomb::new(7.4e121, 4.4e121).unwrap();
+    let oscillator = DwellOscillator {
+        law: Dwell::exponential(law, 1.1e122, 1e299).unwrap(),
+        mass: 1e200,
+        stiffness: f64::MAX,
+        damping: 0.1,
+        load: 1e299,
+    };
+    assert_eq!(oscillator.fold(), None);
+    assert_eq!(oscillator.stick_slip(5.2e73), None);
 }

@@ -8,8 +8,8 @@ use crate::common::property::for_all;
 use crate::common::simple::runge_kutta;
 use proptest::prelude::*;
 use stick_slip::{
-    AnyLaw, Coulomb, Error, FrictionLaw, MassOnBelt, Physical, Polynomial, Rational, Scaled,
-    Scaling, State, Stribeck, Tabulated, Trajectory,
+    AnyLaw, Coulomb, Error, FrictionLaw, MassOnBelt, Physical, PhysicalMassOnBelt, Polynomial,
+    Rational, Scaled, Scaling, State, Stribeck, Tabulated, Trajectory,
 };
 
 /// A brake pad: 0.5 kg, 20 kN/m (32 Hz), 50 N, 3 cm/s.
@@ -138,6 +138,51 @@ fn parameters_there_and_back() {
 }
 
 /// Single numbers: tests/contract/refusals.rs.
+/// Displacements and velocities that overflow in the units of the system.
+#[test]
+fn accelerations_in_si_units_are_numbers_at_any_state() {
+    let of = |normal_force: f64, damping: f64| {
+        let physical = Physical {
+            mass: 1.0,
+            stiffness: 1.0,
+            damping,
+            normal_force,
+            belt_velocity: 0.0,
+        };
+        let law = Stribeck::new(0.4, 0.25, 0.5, 1).unwrap();
+        PhysicalMassOnBelt::new(physical, law).unwrap()
+    };
+    let light = of(1e-200, 1.0);
+    // Spring and damper of one size: −X − X'.
+    for (displacement, velocity, expected) in [
+        (1e200, 1e200, -2e200),
+        (1e200, -1e200, 0.0),
+        (-1e299, 3e298, 7e298),
+        (f64::MAX, f64::MAX, f64::NEG_INFINITY),
+        (f64::MAX, -f64::MAX, 0.0),
+    ] {
+        let found = light.acceleration((displacement, velocity));
+        let apart = (found - expected).abs();
+        assert!(
+            found == expected || apart <= 1e-15 * f64::abs(displacement),
+            "{found}"
+        );
+    }
+    // The belt does not feel the unit of length.
+    assert_eq!(light.friction_force((1.0, 1e200)), -1e-200 * 0.25);
+    for normal_force in [1e-300, 1e-200, 1.0, 1e16, 1e200] {
+        let system = of(normal_force, 0.1);
+        for x in [0.0, 1e-300, 1e10, 1e299, f64::MAX] {
+            for v in [0.0, 1e-300, 1e10, 1e299, f64::MAX] {
+                for state in [(x, v), (x, -v), (-x, v), (-x, -v)] {
+                    let numbers = [system.acceleration(state), system.friction_force(state)];
+                    assert!(numbers.iter().all(|x| !x.is_nan()), "{state:?} {numbers:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_scaling_keeps_its_numbers_normal() {
     let light = Physical {

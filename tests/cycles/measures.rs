@@ -4,7 +4,7 @@
 use crate::common::on_belt;
 use proptest::prelude::*;
 use stick_slip::nalgebra::Complex;
-use stick_slip::{Exponential, LimitCycle, MassOnBelt, Mode, Polynomial, limit_cycle};
+use stick_slip::{Coulomb, Exponential, LimitCycle, MassOnBelt, Mode, Polynomial, limit_cycle};
 
 fn cycles() -> Vec<LimitCycle> {
     let mut all = Vec::new();
@@ -24,6 +24,21 @@ fn cycles() -> Vec<LimitCycle> {
     all.extend(limit_cycle::find(&system).unwrap());
     assert!(all.len() >= 7);
     all
+}
+
+/// A cycle whose displacements and period are so large that their product overflows.
+#[test]
+fn harmonics_of_a_long_cycle_are_numbers() {
+    let law = Coulomb::new(1.35, 0.95).unwrap();
+    let system = on_belt(law, 0.01, 0.0, 1e263);
+    for cycle in &limit_cycle::find(&system).unwrap() {
+        assert!(cycle.period() * cycle.amplitude() == f64::INFINITY);
+        let mean = cycle.mean_displacement();
+        assert!((cycle.min_displacement()..cycle.max_displacement()).contains(&mean));
+        for amplitude in cycle.harmonics(3) {
+            assert!(amplitude.norm() <= 2.0 * cycle.amplitude(), "{amplitude}");
+        }
+    }
 }
 
 /// The mean square of a sum of harmonics: half the sum of the squares of their amplitudes.
