@@ -167,7 +167,7 @@ pub enum BranchEnd {
     },
     /// The motion jumps as the parameter passes this value, and the branch cannot continue. The
     /// motions on the two sides agree up to one instant of the period. At this instant a contact
-    /// enters different modes. There are two cases:
+    /// enters different modes. There are three cases:
     ///
     /// * In stick, or at the start of stick, the force of the contact just reaches the static
     ///   limit. Beyond the parameter the contact slips at this instant. If static friction exceeds
@@ -175,11 +175,15 @@ pub enum BranchEnd {
     /// * The relative velocity of the contact just reaches 0, and the derivative of the period map
     ///   stays bounded. (If it grows without bound, the end is a [`Grazing`](Self::Grazing).)
     ///   Beyond the parameter the relative velocity does not reach 0.
+    /// * In stick, the force of the contact reaches the static limit tangentially, and static
+    ///   friction exceeds kinetic friction. Before the end, the contact is released at this
+    ///   instant; beyond, its force stays below the limit.
     ///
-    /// The multipliers do not show the jump in advance. (Before a [`Grazing`](Self::Grazing), in
-    /// contrast, the first multiplier grows without bound.)
+    /// In the first two cases the multipliers do not show the jump in advance. In the third case,
+    /// as before a [`Grazing`](Self::Grazing), the first multiplier grows without bound.
     Discontinuity {
-        /// The parameter at the jump.
+        /// The parameter at the jump. In the third case it is extrapolated from up to five motions,
+        /// with an error of about 1e-3 of its distance from the last motion.
         parameter: f64,
         /// The time at which the motions on the two sides of the jump separate, in units of time,
         /// counted from the start of the period.

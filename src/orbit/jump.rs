@@ -16,6 +16,9 @@ const MOST_HALVINGS: usize = 64;
 /// Largest difference of the motions on the two sides up to the event at the border.
 const SAME: f64 = 1e-6;
 
+/// Or, if the jump is large, this part of it.
+const BEFORE: f64 = 0.01;
+
 /// Part of the period within which an event counts as one at its start.
 const NEAR: f64 = 1e-6;
 
@@ -34,7 +37,11 @@ pub(super) struct Discontinuity {
     pub(super) end: BranchEnd,
 }
 
-/// A motion over three periods, and the events of the first two.
+/// The events of one period are compared first. A motion that magnifies perturbations much shifts
+/// its later events far before the border, and only an event near the start needs a second period.
+const PERIODS: [f64; 2] = [1.0, 2.0];
+
+/// A motion over three periods, and the events of the first, or of the first two.
 #[derive(Clone)]
 struct Side {
     parameter: f64,
@@ -47,11 +54,18 @@ impl LocalCurve<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
     /// of the shortest steps; with its distance, and its size in units of the sizes.
     pub(super) fn discontinuity(&self, shortest: f64) -> Option<Discontinuity> {
-        let mut low = (0.0, self.side(0.0)?);
+        let mut found = PERIODS.into_iter();
+        let found = found.find_map(|periods| self.discontinuity_within(periods, shortest));
+        found.or_else(|| self.already_slips())
+    }
+
+    /// The same, from the events of some periods.
+    fn discontinuity_within(&self, periods: f64, shortest: f64) -> Option<Discontinuity> {
+        let mut low = (0.0, self.side(0.0, periods)?);
         for away in AWAY {
-            let high = (away * shortest, self.side(away * shortest)?);
+            let high = (away * shortest, self.side(away * shortest, periods)?);
             if !high.1.is_like(&low.1, ALIKE) {
-                let (below, above) = self.border(low, high.clone())?;
+                let (below, above) = self.border(low, high.clone(), periods)?;
                 let unslipped = self.base.trial.map.unslipped();
                 let jump = below.1.jump_to(&above);
                 if let Some((size, end)) = jump.or_else(|| below.1.one_way_slip(&above, &unslipped))
@@ -66,7 +80,7 @@ impl LocalCurve<'_, '_> {
             }
             low = high;
         }
-        self.already_slips()
+        None
     }
 
     /// The end at the last point, if a contact slips there in one direction only, by a way that
@@ -87,11 +101,11 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The motion from a start on the tangent, at a distance from the last point.
-    fn side(&self, distance: f64) -> Option<Side> {
+    fn side(&self, distance: f64, periods: f64) -> Option<Side> {
         let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
         let modes = self.base.trial.map.end_modes();
         let (map, period) = self.curve.motion(&y, modes, 3.0).ok()?;
-        let inside = NEAR * period..(2.0 + NEAR) * period;
+        let inside = NEAR * period..(periods + NEAR) * period;
         let events = map.events().map(|(event, _)| event);
         let events = events.filter(|event| inside.contains(&event.time));
         let events = events.map(|event| (event.time, event.contact, event.kind));
@@ -104,13 +118,18 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The two sides of the change of the event sequence; the first with its distance.
-    fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<((f64, Side), Side)> {
+    fn border(
+        &self,
+        mut low: (f64, Side),
+        mut high: (f64, Side),
+        periods: f64,
+    ) -> Option<((f64, Side), Side)> {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (low.0 + high.0);
             if middle <= low.0 || middle >= high.0 {
                 break;
             }
-            let side = self.side(middle)?;
+            let side = self.side(middle, periods)?;
             if side.is_like(&low.1, ALIKE) {
                 low = (middle, side);
             } else {
@@ -164,7 +183,9 @@ impl Side {
         let later = later.filter(|end| (time..time + self.period).contains(end));
         let jumps = later.filter_map(|end| self.apart(beyond, end));
         let jump = jumps.fold(0.0, f64::max);
-        if jump <= JUMP || self.apart(beyond, time)? > SAME {
+        // At a tangential release the time of the event, and what follows, varies by a square root.
+        let same = SAME.max(BEFORE * jump);
+        if jump <= JUMP || self.apart(beyond, time)? > same {
             return None;
         }
         let begin = if time > (1.0 + NEAR) * self.period {

@@ -65,6 +65,11 @@ const HOPF_ERROR: f64 = 1e-7;
 const GRAZING_GROWTH: f64 = 1e3;
 const GRAZING_RISE: f64 = 0.3;
 
+/// A tangential release is extrapolated from so many motions at most; the derivative of each is at
+/// least this factor smaller than that of the next.
+const RELEASE_MOTIONS: usize = 5;
+const APART: f64 = 1.5;
+
 /// Place of the last motion before a jump, as a part of the distance of the jump.
 const BESIDE: f64 = 0.99;
 
@@ -220,8 +225,13 @@ impl Walk<'_, '_> {
     ) -> (Outcome, f64) {
         let mut end = self.grazing(view.base);
         if end.is_none()
-            && let Some(jump) = view.discontinuity(shortest)
+            && let Some(mut jump) = view.discontinuity(shortest)
         {
+            if let BranchEnd::Discontinuity { parameter, .. } = &mut jump.end
+                && let Some(exact) = self.tangential_release(view.base)
+            {
+                *parameter = exact;
+            }
             if jump.size > LARGE {
                 // The last motion lies nearer to the jump than the shortest step.
                 let last = self.tried(view, here, BESIDE * jump.distance, signs);
@@ -372,15 +382,55 @@ impl Walk<'_, '_> {
         Some(Outcome::End(BranchEnd::Hopf { parameter }))
     }
 
+    /// Returns true if the derivative of the map is large at a point, and smaller before it.
+    fn magnifies_more(&self, base: &Solved) -> bool {
+        let growth = |solved: &Solved| solved.trial.map.growth();
+        let last = growth(base);
+        let mut before = self.points.iter().rev().map(growth);
+        last >= GRAZING_GROWTH && before.any(|before| before < GRAZING_RISE * last)
+    }
+
+    /// The parameter behind a point at which a release becomes tangential, if there is one.
+    ///
+    /// There the derivative of the map grows like 1/ρ, with the rate ρ at which the force in stick
+    /// reaches its limit. The motion is a smooth function of ρ, whose polynomial through the last
+    /// motions has a value at ρ = 0. The tangent of the curve does not show this place: along it
+    /// the force keeps to its limit to first order.
+    fn tangential_release(&self, base: &Solved) -> Option<f64> {
+        if !self.magnifies_more(base) {
+            return None;
+        }
+        let of = |solved: &Solved| {
+            let parameter = self.curve.parameter(&solved.y);
+            [solved.trial.map.growth().recip(), parameter]
+        };
+        let mut known = vec![of(base)];
+        let alike = self.points.iter().rev();
+        for point in alike.take_while(|point| point.is_like(base)).map(of) {
+            let nearest = known[known.len() - 1];
+            if point[0] >= APART * nearest[0] && known.len() < RELEASE_MOTIONS {
+                known.push(point);
+            }
+        }
+        let [_, last] = known[0];
+        let [rough, exact] = [known.len().saturating_sub(1), known.len()].map(|n| {
+            let mut nearest = known[..n].to_vec();
+            if nearest.is_empty() {
+                last
+            } else {
+                at_zero(&mut nearest)
+            }
+        });
+        let converges = (exact - rough).abs() <= 0.1 * (exact - last).abs();
+        (known.len() > 2 && converges).then_some(exact)
+    }
+
     /// The grazing point at which the curve ends behind a point, if there is one.
     ///
     /// As an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
     /// the rate of the relative velocity at arrival.
     fn grazing(&self, base: &Solved) -> Option<Outcome> {
-        let growth = |solved: &Solved| solved.trial.map.growth();
-        let last = growth(base);
-        let mut before = self.points.iter().rev().map(growth);
-        if last < GRAZING_GROWTH || !before.any(|before| before < GRAZING_RISE * last) {
+        if !self.magnifies_more(base) {
             return None;
         }
         let (parameter, trial) = tangential_end(self.curve, base)?;

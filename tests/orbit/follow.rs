@@ -13,7 +13,8 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
-    MassOnBelt, Polynomial, Rational, Stribeck, Structure, System, bifurcation, limit_cycle,
+    Integrator, MassOnBelt, Polynomial, Rational, Stribeck, Structure, System, bifurcation,
+    limit_cycle,
 };
 
 use crate::common::number;
@@ -314,6 +315,73 @@ fn a_family_that_jumps_ends_the_branch() {
     assert_abs_diff_eq!(parameter, 0.35, epsilon = 1e-6);
 }
 
+/// The force of a sticking contact that just reaches its limit at a maximum. The motion at the end
+/// is known up to one number: the time of the maximum follows from the force, and the displacement
+/// there from the limit. From this state the contact must come back to it after a period.
+#[test]
+fn a_release_that_becomes_tangential_ends_the_branch_there() {
+    const FORCE: f64 = 0.112_416_454_375_324_7;
+    const OMEGA: f64 = 0.857_113_939_158_918_2;
+    const DAMPING: f64 = 0.008_484_572_687_977_2;
+    const BELT: f64 = 0.046_186_779_667_100_9;
+    let law = Coulomb::new(0.352_523_204_526_248_6, 0.225_371_866_433_964_9).unwrap();
+    let family = |load: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, DAMPING)?
+            .with_force(0, Drive::sine(FORCE, OMEGA)?)?
+            .with_contact(Contact::new(0, law, load)?.on_belt(BELT))
+    };
+    let start = State::new(&[0.3], &[0.0]);
+    let orbit = settle(&family(1.246).unwrap(), &start, 200.0, Period::Driven(1)).unwrap();
+    let branch = follow(family, 1.246, &orbit, 1.0..3.0).unwrap();
+    let BranchEnd::Discontinuity {
+        parameter,
+        time,
+        contact: 0,
+        events,
+        beyond,
+    } = &branch.ends[1]
+    else {
+        panic!("{:?}", branch.ends)
+    };
+    let stick = (0, EventKind::Stick);
+    assert_eq!(
+        events,
+        &[stick, (0, EventKind::Release(Direction::Lagging))]
+    );
+    assert_eq!(beyond, &[stick]);
+
+    let (period, highest) = (TAU / OMEGA, (TAU - (BELT / (FORCE * OMEGA)).acos()) / OMEGA);
+    let missed = |load: f64| {
+        let limit = load * law.static_coefficient();
+        let displacement = limit + FORCE * (OMEGA * highest).sin() - DAMPING * BELT;
+        // Beyond the limit by rounding, so that the contact slips.
+        let start = State::new(&[displacement + 1e-14], &[BELT]);
+        let integrator = Integrator::new().with_start_time(highest).unwrap();
+        let motion = integrator.simulate(&family(load).unwrap(), start, period);
+        let motion = motion.unwrap();
+        let mut events = motion.events().iter();
+        let stick = events.find(|event| event.kind == EventKind::Stick).unwrap();
+        let rest = highest + period - stick.time;
+        stick.state.displacements[0] + BELT * rest - displacement
+    };
+    let (mut low, mut high) = (1.70, 1.71);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if missed(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    // The last motion lies 2e-5 before the end.
+    let last = branch.points.last().unwrap();
+    assert!((low - last.parameter).abs() > 1e-6);
+    assert_abs_diff_eq!(*parameter, low, epsilon = 1e-8);
+    assert_abs_diff_eq!(*time, highest, epsilon = 1e-5);
+}
+
 #[test]
 fn what_cannot_be_followed_is_refused() {
     let (_, orbit) = small();
@@ -528,6 +596,12 @@ fn a_jump_is_where_motions_from_one_start_part() {
             };
             jumps += 1;
             let last = &branch.points[which * (branch.points.len() - 1)];
+            // Before a release that becomes tangential the derivative grows without bound, and the
+            // last motion lies at a distance.
+            if last.orbit.multipliers()[0].norm() > 1e3 {
+                assert!((last.parameter - parameter).abs() < 1e-3 * frequency, "{i}");
+                continue;
+            }
             assert!((last.parameter - parameter).abs() < 1e-8 * frequency, "{i}");
             let away = 1e-7 * (2.0 * which as f64 - 1.0);
             let kinds = |parameter: f64| -> Vec<(usize, EventKind)> {
