@@ -44,7 +44,8 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
     if !are_positive(&[tangential_stiffness, limit, amplitude]) {
         return f64::NAN;
     }
-    4.0 * limit * (amplitude - limit / tangential_stiffness).max(0.0)
+    // In this sequence a large limit does not overflow beside an amplitude below the first slip.
+    4.0 * (limit * (amplitude - limit / tangential_stiffness).max(0.0))
 }
 
 /// The first harmonic of the force of the element under a harmonic displacement.

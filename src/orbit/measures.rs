@@ -258,7 +258,8 @@ impl<S: System> Orbit<S> {
 
     /// Work and heat over one period, for each force, contact and damper. For a
     /// [`MassOnBelt`](crate::MassOnBelt) these are the values of
-    /// [`LimitCycle::energy`](crate::LimitCycle::energy). A value that overflows is ±∞.
+    /// [`LimitCycle::energy`](crate::LimitCycle::energy). A value with a term that
+    /// overflows is ±∞, or NaN if terms of both signs do.
     pub fn energy(&self) -> &EnergyBudget {
         &self.measures.energy
     }

@@ -77,42 +77,17 @@ pub struct EnergyBudget {
     pub circulation: f64,
 }
 
-/// The power 2^−600: states and forces times this factor have energies that do not overflow.
-const SMALL: f64 = f64::from_bits((1023 - 600) << 52);
-
 impl EnergyBudget {
-    /// All numbers.
-    fn values(&mut self) -> impl Iterator<Item = &mut f64> {
-        let lists = [
-            &mut self.force_work,
-            &mut self.drive_work,
-            &mut self.belt_work,
-            &mut self.friction_loss,
-            &mut self.normal_work,
-        ];
-        let others = [
-            &mut self.stored,
-            &mut self.damper_loss,
-            &mut self.circulation,
-        ];
-        lists.into_iter().flatten().chain(others)
-    }
-
     /// Residual of the energy balance: `stored` − (Σ `force_work` + Σ `drive_work` + Σ
     /// `normal_work` + `circulation`) + `damper_loss` + Σ `friction_loss`. `belt_work` is no term
     /// of its own, because `drive_work` contains it. With the default tolerance of the integrator
     /// the residual consists of rounding errors. With a larger tolerance it estimates the error of
-    /// the motion. The residual is ∞ if a term is infinite.
+    /// the motion.
     pub fn defect(&self) -> f64 {
         let work = [&self.force_work, &self.drive_work, &self.normal_work];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
         let losses = self.friction_loss.iter().sum::<f64>() + self.damper_loss;
-        let defect = self.stored - (work - losses);
-        if defect.is_finite() {
-            defect
-        } else {
-            f64::INFINITY
-        }
+        self.stored - (work - losses)
     }
 }
 
@@ -175,7 +150,7 @@ impl Structure {
     pub fn energy_budget(&self, motion: &Trajectory<State>) -> Result<EnergyBudget, Error> {
         let model = self.model();
         check_motion(&model, motion)?;
-        let budget = self.energies(&model).budget_in(motion.steps(), 1.0);
+        let budget = self.energies(&model).budget(motion.steps());
         finite(budget.defect(), &motion.last())?;
         Ok(budget)
     }
@@ -281,23 +256,8 @@ impl Energies<'_, '_> {
         self.kinetic(velocities) + self.elastic(displacements) + springs
     }
 
-    /// The budget of a motion of these steps. A value that overflows is ±∞.
+    /// The budget of a motion of these steps.
     pub(crate) fn budget(&self, steps: &[Step]) -> EnergyBudget {
-        let mut budget = self.budget_in(steps, 1.0);
-        if budget.values().any(|value| !value.is_finite()) {
-            // The terms of a sum may overflow with different signs.
-            let mut small = self.budget_in(steps, SMALL);
-            for (value, small) in zip(budget.values(), small.values()) {
-                if !value.is_finite() {
-                    *value = *small / SMALL / SMALL;
-                }
-            }
-        }
-        budget
-    }
-
-    /// The same with states and forces times a factor.
-    fn budget_in(&self, steps: &[Step], factor: f64) -> EnergyBudget {
         let (model, contacts) = (self.model, self.model.contacts.len());
         let mut budget = EnergyBudget {
             force_work: vec![0.0; model.len()],
@@ -313,11 +273,10 @@ impl Energies<'_, '_> {
             let forces = Forces::of(model, step);
             let h = step.duration();
             for (t, weight) in gauss_nodes(0.0, h) {
-                let instant = scaled(forces.at(t), factor);
-                self.add(&mut budget, step, (t, weight), &instant, factor);
+                self.add(&mut budget, step, (t, weight), &forces.at(t));
             }
             // Drives at the end of a step belong to it: they may jump there.
-            let [start, end] = [forces.at(0.0), forces.before(h)].map(|at| scaled(at, factor));
+            let (start, end) = (forces.at(0.0), forces.before(h));
             if let Some((_, last)) = &ends {
                 self.add_jump(&mut budget, last, &start);
             }
@@ -337,7 +296,6 @@ impl Energies<'_, '_> {
         step: &Step,
         (t, weight): (f64, f64),
         instant: &Instant,
-        factor: f64,
     ) {
         let (q, v) = (&instant.state.displacements, &instant.state.velocities);
         for ((work, force), v) in zip(zip(&mut budget.force_work, &instant.forces), v) {
@@ -355,15 +313,14 @@ impl Energies<'_, '_> {
                 // The slider moves by r less what its spring takes up.
                 let spring = contact.tangential_stiffness.map_or(0.0, |stiffness| {
                     let series = &step.series()[self.model.len() + self.model.memory(c).start];
-                    factor * series.slope_at(t) / stiffness
+                    series.slope_at(t) / stiffness
                 });
                 budget.friction_loss[c] += weight * at.carried * (relative - spring);
             }
             if let Some(stiffness) = self.normal[c].filter(|_| at.load > 0.0) {
-                let v: Vec<f64> = v.iter().map(|v| v / factor).collect();
                 let pressed = contact.normal.iter().map(|&(j, d)| d * v[j]).sum::<f64>();
-                let rate = contact.load_rate(step.clock().after(t), &v) - stiffness * pressed;
-                budget.normal_work[c] += weight * at.load * (factor * rate) / stiffness;
+                let rate = contact.load_rate(step.clock().after(t), v) - stiffness * pressed;
+                budget.normal_work[c] += weight * at.load * rate / stiffness;
             }
         }
     }
@@ -380,29 +337,6 @@ impl Energies<'_, '_> {
             *work += to - from;
         }
     }
-}
-
-/// Displacements, velocities and forces, each times a factor.
-fn scaled(mut instant: Instant, factor: f64) -> Instant {
-    let Instant {
-        state,
-        forces,
-        contacts,
-        ..
-    } = &mut instant;
-    let numbers = [&mut state.displacements, &mut state.velocities, forces];
-    let contacts = contacts.iter_mut().flat_map(|at| {
-        [
-            &mut at.load,
-            &mut at.carried,
-            &mut at.velocity,
-            &mut at.surface,
-        ]
-    });
-    for number in numbers.into_iter().flatten().chain(contacts) {
-        *number *= factor;
-    }
-    instant
 }
 
 /// xᵀAy.
