@@ -342,8 +342,16 @@ impl Drive {
 
     /// The first time at which the drive jumps.
     pub(crate) fn first_jump(&self) -> Option<f64> {
-        let jumps = self.profiles.iter().filter_map(Profile::first_jump);
-        jumps.min_by(f64::total_cmp)
+        self.jumps().min_by(f64::total_cmp)
+    }
+
+    /// Returns true if the drive jumps at this time.
+    pub(crate) fn jumps_at(&self, time: f64) -> bool {
+        self.jumps().any(|jump| jump == time)
+    }
+
+    fn jumps(&self) -> impl Iterator<Item = f64> {
+        self.profiles.iter().flat_map(Profile::jumps)
     }
 
     /// ∫ f dt from one time to a later one, in closed form.

@@ -91,11 +91,11 @@ impl Profile {
         next.map(|&(time, _)| time)
     }
 
-    pub(super) fn first_jump(&self) -> Option<f64> {
-        let mut pairs = self.points.windows(2);
-        pairs
-            .find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1)
-            .map(|pair| pair[0].0)
+    /// The times of jumps, ascending.
+    pub(super) fn jumps(&self) -> impl Iterator<Item = f64> {
+        let pairs = self.points.windows(2);
+        let jumps = pairs.filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1);
+        jumps.map(|pair| pair[0].0)
     }
 
     /// ∫ f dt from one time to a later one, piece by piece.

@@ -93,6 +93,9 @@ impl PowerSeries {
     /// much code.
     #[inline(never)]
     pub(crate) fn at(&self, t: f64) -> f64 {
+        if t > FAR {
+            return sum_far(t, |k| self.0[k]);
+        }
         sum_of_powers(t, |k| self.0[k])
     }
 
@@ -205,6 +208,9 @@ impl PowerSeries {
     /// Mean of c over [0, t].
     #[inline(always)]
     pub(crate) fn mean(&self, t: f64) -> f64 {
+        if t > FAR {
+            return sum_far(t, |k| self.0[k] * INTEGRAL[k]);
+        }
         sum_of_powers(t, |k| self.0[k] * INTEGRAL[k])
     }
 
@@ -312,6 +318,18 @@ fn sum_of_powers(t: f64, c: impl Fn(usize) -> f64) -> f64 {
         }
     }
     mul_add(t, mul_add(t, lanes[2], lanes[1]), lanes[0])
+}
+
+/// A time whose powers may overflow. Only rest and motions without springs last so long.
+const FAR: f64 = 1e100;
+
+/// The same at a time beyond [`FAR`], of a series with few terms.
+#[inline(never)]
+fn sum_far(t: f64, c: impl Fn(usize) -> f64) -> f64 {
+    let terms = (0..TERMS)
+        .rposition(|k| c(k) != 0.0)
+        .map_or(0, |last| last + 1);
+    (0..terms).rev().fold(0.0, |sum, k| sum * t + c(k))
 }
 
 /// Σ c_k t^k, with 0 for all further coefficients.

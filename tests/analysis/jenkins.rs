@@ -120,6 +120,8 @@ fn loop_areas_enclose_what_masing_draws() {
             prop_assert!((area - expected).abs() < 1e-14 * 4.0 * limit * amplitude);
             // Below the limit nothing.
             prop_assert_eq!(loop_area(k_t, limit, 0.999 * limit / k_t), 0.0);
+            prop_assert_eq!(loop_area(1.0, f64::MAX, k_t), 0.0);
+            prop_assert_eq!(first_harmonic(k_t, f64::MAX, 1.0, 1.0), (k_t, 0.0, 0.0));
             Ok(())
         },
     );

@@ -659,3 +659,167 @@ fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
         }
     }
 }
+
+/// A break of a drive that does not act on a slider does not stop it, at any tolerance: its force
+/// and its limit are integrated apart, and differ by the errors of both.
+#[test]
+fn a_break_elsewhere_is_no_event_of_a_slider() {
+    let joint = Contact::new(0, coulomb(0.5), 1.0)
+        .and_then(|joint| joint.with_tangential_stiffness(10.0))
+        .and_then(|joint| joint.on_belt(2.0).with_normal_spring(&[(0, -1.0)], 0.3))
+        .unwrap();
+    let force = Drive::profile(&[(2.85, 0.0), (10.0, 1.0)]).unwrap();
+    let structure = Structure::new(&[1.0, 1.0])
+        .and_then(|structure| structure.with_ground_spring(0, 1.0))
+        .and_then(|structure| structure.with_contact(joint))
+        .and_then(|structure| structure.with_force(1, force))
+        .unwrap();
+    let start = State::new(&[0.0, 0.0], &[0.5, 0.0]);
+    for tolerance in [Integrator::ROUND_OFF, 1e-12, 1e-9, 1e-6, 1e-4] {
+        let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+        let motion = integrator.simulate(&structure, start.clone(), 5.0).unwrap();
+        let kinds: Vec<EventKind> = motion.events().iter().map(|event| event.kind).collect();
+        assert_eq!(
+            kinds,
+            [EventKind::Release(Direction::Lagging)],
+            "{tolerance:e}"
+        );
+    }
+}
+
+/// A slider stops with the rigid contact that holds both its sides, at any tolerance.
+#[test]
+fn sliders_stop_with_the_contacts_that_hold_them() {
+    let law = || Exponential::new(0.4, 0.2, 0.3).unwrap();
+    let pairs = [
+        [
+            Contact::between(0, 1, law(), 3.0),
+            Contact::between(0, 1, coulomb(0.4), 0.5),
+        ],
+        [
+            Contact::new(0, law(), 3.0),
+            Contact::new(0, coulomb(0.4), 0.5),
+        ],
+    ];
+    for pair in pairs {
+        let [rigid, elastic] = pair.map(Result::unwrap);
+        let elastic = elastic.with_tangential_stiffness(5.0).unwrap();
+        let structure = Structure::new(&[1.0, 2.0])
+            .and_then(|structure| structure.with_ground_spring(0, 0.1))
+            .and_then(|structure| structure.with_ground_spring(1, 0.1))
+            .and_then(|structure| structure.with_contact(rigid))
+            .and_then(|structure| structure.with_contact(elastic))
+            .unwrap();
+        let start = State::new(&[0.0, 0.0], &[0.5, 0.0]);
+        let mut first = None;
+        for tolerance in [Integrator::ROUND_OFF, 1e-12, 1e-11, 1e-10, 1e-9, 1e-7, 1e-5] {
+            let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+            let motion = integrator
+                .simulate(&structure, start.clone(), 20.0)
+                .unwrap();
+            let stop = |contact: usize| {
+                let events = motion.events();
+                let mut own = events.iter().filter(|event| event.contact == contact);
+                let stop = own.find(|event| event.kind == EventKind::Stick);
+                stop.unwrap().time
+            };
+            let exact = *first.get_or_insert(stop(0));
+            for time in [stop(0), stop(1)] {
+                assert!(
+                    (time - exact).abs() <= 100.0 * tolerance,
+                    "{tolerance:e}: {time}"
+                );
+            }
+        }
+    }
+}
+
+/// A rigid contact that is released beside a slider at its limit, on the same two masses: rounding
+/// of the force is no distance from the limit.
+#[test]
+fn a_slider_held_at_its_limit_is_released_with_its_holder() {
+    let stiffness = DMatrix::from_row_slice(
+        3,
+        3,
+        &[
+            1.9158405058072625,
+            -1.596678084769775,
+            0.0,
+            -1.596678084769775,
+            2.768145355743032,
+            -0.17022985088942297,
+            0.0,
+            -0.17022985088942297,
+            1.6808540255535818,
+        ],
+    );
+    let damping = [
+        0.04366652240181486,
+        0.01042215565688992,
+        0.03380512367949702,
+    ];
+    let law = |a, b, c| Exponential::new(a, b, c).unwrap();
+    let holder = law(0.4132656755642574, 0.2895548477248733, 0.1662644320868514);
+    let holder = Contact::between(0, 1, holder, 1.8113406186404621).unwrap();
+    let other = law(0.3297513935984516, 0.3078386924671961, 0.22593420356619381);
+    let other = Contact::new(1, other, 3.2526925072141215).unwrap();
+    let slider = coulomb(0.34208079315993467);
+    let slider = Contact::between(0, 1, slider, 0.316666460838668)
+        .and_then(|slider| slider.with_tangential_stiffness(1.6015094389488542))
+        .unwrap();
+    let structure = Structure::new(&[0.3002754503385648, 2.6912855534323405, 1.8554886585844865])
+        .and_then(|structure| structure.with_stiffness(stiffness))
+        .and_then(|structure| {
+            structure.with_damping(DMatrix::from_diagonal(&DVector::from_row_slice(&damping)))
+        })
+        .and_then(|structure| structure.with_contact(holder.on_belt(-0.390625)))
+        .and_then(|structure| structure.with_contact(other.on_belt(-0.03125)))
+        .and_then(|structure| structure.with_contact(slider.on_belt(-0.390625)))
+        .unwrap();
+    let start = State::new(
+        &[
+            0.10085934734081081,
+            -0.04327601674367221,
+            -0.3426413581396299,
+        ],
+        &[
+            -0.0900608584257383,
+            -0.8627127752195352,
+            -0.8534401161638245,
+        ],
+    );
+    for tolerance in [Integrator::ROUND_OFF, 1e-12, 1e-9] {
+        let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+        let motion = integrator.simulate(&structure, start.clone(), 6.0).unwrap();
+        assert!(motion.steps().len() < 100, "{tolerance:e}");
+        let late = motion.events().into_iter().filter(|event| event.time > 4.3);
+        let releases = late.filter(|event| matches!(event.kind, EventKind::Release(_)));
+        let times: Vec<_> = releases.map(|event| (event.contact, event.time)).collect();
+        let [(0, time), (2, follows), ..] = times[..] else {
+            panic!("{tolerance:e}: {times:?}");
+        };
+        // The force leaves its limit like the cube of the time: at a root of rounding.
+        assert!(
+            (time - 4.368790592).abs() < 1e-5 && (follows - time).abs() < 1e-4,
+            "{times:?}"
+        );
+    }
+}
+
+/// Rest lasts as long as asked.
+#[test]
+fn rest_lasts_for_any_duration() {
+    let contact = Contact::new(0, Coulomb::new(0.3, 0.2).unwrap(), 1.0).unwrap();
+    let structure = Structure::new(&[1.0])
+        .and_then(|s| s.with_contact(contact))
+        .unwrap();
+    for duration in [1e10, 1e102, 1e103, 1e200, f64::MAX] {
+        let motion = structure
+            .simulate(State::new(&[0.1], &[0.0]), duration)
+            .unwrap();
+        assert_eq!(motion.last(), State::new(&[0.1], &[0.0]), "{duration:e}");
+    }
+    let free = Structure::new(&[1.0]).unwrap();
+    let motion = free.simulate(State::new(&[0.1], &[2.0]), 1e150).unwrap();
+    assert_eq!(motion.last(), State::new(&[2e150], &[2.0]));
+}

@@ -92,8 +92,24 @@ pub(super) fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction
     }
     let mut rest = *distance;
     rest[0] = 0.0;
-    (
-        Edge::On(side),
-        rest.first_nonzero().map_or(0.0, f64::signum),
-    )
+    let sign = deciding(&rest, bound).map_or(0.0, |(_, first)| first.signum());
+    (Edge::On(side), sign)
+}
+
+/// Order and value of the coefficient that decides the sign with which a distance leaves 0: the
+/// first one that is not 0, or the second if the first is positive and the distance becomes
+/// negative within rounding of 0.
+pub(super) fn deciding(distance: &PowerSeries, bound: f64) -> Option<(usize, f64)> {
+    let c = distance.coefficients();
+    let order = c.iter().position(|c| *c != 0.0)?;
+    let (first, second) = (c[order], c.get(order + 1).copied().unwrap_or(0.0));
+    // The distance is largest where its derivative k c_k t^(k−1) + (k + 1) c_{k+1} t^k is 0.
+    let k = order as f64;
+    let turn = k * first / ((k + 1.0) * second.abs());
+    let height = first * turn.powi(order as i32) / (k + 1.0);
+    let turns_back = first > 0.0 && second < 0.0;
+    if turns_back && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs() {
+        return Some((order + 1, second));
+    }
+    Some((order, first))
 }

@@ -57,7 +57,7 @@ pub(super) fn land(
         }
     }
     expand_drives(model, situation, series);
-    land_springs(model, situation, series, at_break);
+    land_springs(model, situation, series, settled.at_break);
     if !model.shared.is_empty() {
         arrive_with_others(model, situation, series);
         reconcile(model, situation, series);

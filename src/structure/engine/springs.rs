@@ -14,7 +14,8 @@
 //! decided this mode. Modes are therefore set in ascending order of the deciding derivative.
 
 use super::contact::ContactData;
-use super::edge::{EDGE_ROUNDING, Edge, side_of};
+use super::edge::{EDGE_ROUNDING, Edge, deciding, side_of};
+use super::factor::ROUNDING;
 use super::model::Model;
 use super::series::{ContactSeries, CoordinateSeries, Series, StepMode};
 use super::sizes::load_terms;
@@ -181,13 +182,45 @@ struct Start {
     speed: f64,
 }
 
-/// Starts the sliders of elastic contacts beyond their limits; returns true if there are any.
+/// Stops the sliders of elastic contacts that slip although contacts that stick hold both sides at
+/// one velocity; returns true if there are any. The step before has found the end of that slip
+/// within its errors only, and the speed of such a slider is 0 ever after.
+fn stop_held(model: &Model<'_>, situation: &mut Situation, series: &Series) -> bool {
+    let mut changed = false;
+    for &c in &model.springs {
+        let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+        let Phase::Slip { speed, .. } = situation.contacts[c].phase else {
+            continue;
+        };
+        let sticks = |owner: usize| situation.contacts[owner].sticks();
+        let mut along = contact.direction.iter();
+        let is_held =
+            of.guided.is_some() || along.all(|&(j, _)| model.owner[j].is_some_and(sticks));
+        let Some(stiffness) = contact
+            .tangential_stiffness
+            .filter(|_| is_held && speed > 0.0)
+        else {
+            continue;
+        };
+        let velocity = |j: usize| series.coordinates[j].motion.velocity(0);
+        let terms = contact.size_along(velocity) + of.surface[0].abs();
+        if of.speeds[0].abs() <= ROUNDING * (terms + (of.bound[1] / stiffness).abs()) {
+            situation.contacts[c].entry = Entry::Arrived(None);
+            ask_again(situation, c);
+            changed = true;
+        }
+    }
+    changed
+}
+
+/// Starts the sliders of elastic contacts beyond their limits, and stops those that are held;
+/// returns true if there are any.
 pub(super) fn revise_elastic(
     model: &Model<'_>,
     situation: &mut Situation,
     series: &Series,
 ) -> bool {
-    let mut changed = false;
+    let mut changed = stop_held(model, situation, series);
     let mut starts: Vec<Start> = Vec::new();
     for &c in &model.springs {
         let Some(stiffness) = model.contacts[c].tangential_stiffness else {
@@ -210,8 +243,8 @@ pub(super) fn revise_elastic(
                 state.edge = state.edge.leaving(of, side).0;
             }
             let distance = state.edge.distance(of, side);
-            let mut orders = (1..).zip(&distance.coefficients()[1..]);
-            let Some((order, &d)) = orders.find(|(_, d)| **d != 0.0) else {
+            let Some((order, d)) = deciding(&distance, of.bound[0]).filter(|&(order, _)| order > 0)
+            else {
                 continue;
             };
             if d >= 0.0 {
@@ -265,27 +298,24 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
         Entry::Arrived(Some(from)) => Edge::Touched(Some(from)),
         // No band yet, for the load begins: on both of its bounds.
         _ if is_fresh && (begins || bound.max(carried.abs()) <= rounding) => Edge::On(None),
-        _ if beyond >= 0.0 || is_fresh && beyond >= -rounding => Edge::On(Some(side_of(carried))),
+        // Also where another contact has held it there: rounding is no distance that could be left.
+        _ if beyond >= -rounding => Edge::On(Some(side_of(carried))),
         _ => Edge::Away,
     };
 }
 
 /// Sets the forces of elastic contacts at the end of a step; forces at their limit are set exactly.
-/// At a break of a drive the limit may jump, so the modes are decided again.
+/// At a break of a drive the modes are decided again; where the load jumps, a force at the limit
+/// remains that of the step.
 pub(super) fn land_springs(
     model: &Model<'_>,
     situation: &mut Situation,
     series: &Series,
-    at_break: bool,
+    at_break: Option<f64>,
 ) {
     for &c in &model.springs {
-        let state = &mut situation.contacts[c];
-        if !model.contacts[c].is_elastic() || state.phase_is_open() {
-            continue;
-        }
-        if at_break {
-            state.entry = Entry::Held;
-            ask_again(situation, c);
+        let (contact, state) = (&model.contacts[c], &situation.contacts[c]);
+        if !contact.is_elastic() || state.phase_is_open() {
             continue;
         }
         let at_limit = match (state.phase, state.edge) {
@@ -293,9 +323,14 @@ pub(super) fn land_springs(
             (Phase::Stick { .. }, Edge::On(side)) => side,
             _ => None,
         };
-        if let Some(side) = at_limit {
+        let jumps = at_break.is_some_and(|time| contact.load.jumps_at(time));
+        if let Some(side) = at_limit.filter(|_| !jumps) {
             let carried = force_at_limit(model, situation, series, c, side);
             situation.contacts[c].memory[0] = carried;
+        }
+        if at_break.is_some() {
+            situation.contacts[c].entry = Entry::Held;
+            ask_again(situation, c);
         }
     }
 }
