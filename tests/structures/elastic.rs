@@ -792,7 +792,7 @@ fn a_slider_held_at_its_limit_is_released_with_its_holder() {
         let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
         let motion = integrator.simulate(&structure, start.clone(), 6.0).unwrap();
         assert!(motion.steps().len() < 100, "{tolerance:e}");
-        let late = motion.events().into_iter().filter(|event| event.time > 4.3);
+        let late = motion.events().iter().filter(|event| event.time > 4.3);
         let releases = late.filter(|event| matches!(event.kind, EventKind::Release(_)));
         let times: Vec<_> = releases.map(|event| (event.contact, event.time)).collect();
         let [(0, time), (2, follows), ..] = times[..] else {

@@ -360,8 +360,8 @@ impl Member<'_> {
             (of.carried[k], of.memories[0][k]) = (carried, carried);
         }
         if of.mode == StepMode::Slip {
-            for k in 2..ALL {
-                of.speeds[k] = speeds[k][lane];
+            for (k, speed) in speeds.iter().enumerate().take(ALL).skip(2) {
+                of.speeds[k] = speed[lane];
             }
         }
     }
