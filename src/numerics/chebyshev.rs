@@ -29,8 +29,8 @@ const MOST_PIECES: usize = 2000;
 
 /// Points, in ascending t, between which f(x(t)), 0 ≤ t ≤ 1, has at most one root. Between two of
 /// them the Chebyshev interpolant of f∘x is resolved to round-off, and the sizes of its
-/// coefficients show that it has no root or is monotone; or the sizes of f∘x differ much, and that
-/// of ln|f∘x| is resolved, so that f∘x has no root. x(t) must be monotone, and f∘x analytic.
+/// coefficients show that it has no root or is monotone; or that of ln|f∘x| is smooth, so that f∘x
+/// has no root. x(t) must be monotone, and f∘x analytic.
 pub(crate) fn isolate(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     x: &dyn Fn(f64) -> f64,
@@ -52,8 +52,7 @@ pub(crate) fn isolate(
             let at = x(t);
             samples.push((t, Node { at, sample: f(at)? }));
         }
-        let settled = has_one_root_at_most(&samples, &cosines)
-            || differs_much(&samples) && keeps_sign(&samples, &cosines);
+        let settled = has_one_root_at_most(&samples, &cosines) || keeps_sign(&samples, &cosines);
         if settled || end - start <= SHORTEST || made + 2 > MOST_PIECES {
             nodes.extend([samples[DEGREE], samples[0]]);
         } else {
@@ -111,10 +110,6 @@ pub(crate) fn sign_throughout(
 
 /// Largest last coefficients of ln|f| where f has no zero: those of ln|t| are 2/k.
 const SMOOTH_LOGARITHM: f64 = 1e-2;
-
-/// Ratio of the largest and the least |f| of a piece beyond which its logarithm is looked at: the
-/// least values are lost in the interpolant of f itself.
-const WIDE: f64 = 1e3;
 /// Pieces after which a sign counts as unknown.
 const MOST_HALVES: usize = 200;
 /// A value that is not larger than its noise by this factor has no certain logarithm.
@@ -137,7 +132,7 @@ fn coefficients(values: &[f64; DEGREE + 1], cosines: &[f64; 2 * DEGREE]) -> [f64
 }
 
 /// Returns true if all values have one sign beyond doubt, and the interpolant of their logarithms
-/// is resolved.
+/// is smooth, as at no root. A function that falls by hundreds of decades has a smooth logarithm.
 fn keeps_sign(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {
     let sign = samples[0].1.sample.value.signum();
     let mut logarithms = [0.0; DEGREE + 1];
@@ -150,15 +145,6 @@ fn keeps_sign(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {
         *logarithm = value.abs().ln();
     }
     sum(&coefficients(&logarithms, cosines)[DEGREE - 2..]) <= SMOOTH_LOGARITHM
-}
-
-/// Returns true if the sizes of the values of a piece differ much.
-fn differs_much(samples: &[(f64, Node)]) -> bool {
-    let sizes = samples.iter().map(|(_, node)| node.sample.value.abs());
-    let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| {
-        (least.min(size), most.max(size))
-    });
-    most > WIDE * least
 }
 
 fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {

@@ -137,14 +137,15 @@ fn a_slope_that_outweighs_an_oscillation_leaves_one_root() {
 fn the_last_coefficients_tell_whether_a_function_is_resolved() {
     for k in 29..=32 {
         for sign in [1.0, -1.0] {
-            assert!(!settles(1e-13, |x| 3.0 + sign * chebyshev(k, x)), "{k}");
+            // With a root, so that no logarithm is looked at.
+            assert!(!settles(1e-13, |x| 5.0 * x + sign * chebyshev(k, x)), "{k}");
             // Last coefficients of up to four times the noise count as noise.
             assert!(
-                settles(1e-3, |x| 3.0 + sign * 3.99e-3 * chebyshev(k, x)),
+                settles(1e-3, |x| 5.0 * x + sign * 3.99e-3 * chebyshev(k, x)),
                 "{k}"
             );
             assert!(
-                !settles(1e-3, |x| 3.0 + sign * 4.01e-3 * chebyshev(k, x)),
+                !settles(1e-3, |x| 5.0 * x + sign * 4.01e-3 * chebyshev(k, x)),
                 "{k}"
             );
         }
@@ -171,7 +172,7 @@ fn pieces_are_halved_where_they_must_be_and_nowhere_else() {
         (0.25, vec![0.0, 0.25, 0.25, 0.5, 0.5, 1.0]),
         (0.625, vec![0.0, 0.5, 0.5, 0.625, 0.625, 0.75, 0.75, 1.0]),
     ] {
-        let watched = Watched::new(|t| (t - kink).abs() + 0.5 * t - 0.1);
+        let watched = Watched::new(|t| (t - kink).abs() + 0.5 * t - 0.35);
         let nodes = watched.isolated(1e-15);
         assert_eq!(nodes.iter().map(|node| node.at).collect::<Vec<_>>(), ends);
         assert_eq!(watched.looks(), (ends.len() - 1) * (DEGREE + 1));
@@ -206,8 +207,11 @@ fn nodes_are_points_of_the_mapped_interval() {
 
 #[test]
 fn pieces_end_at_the_shortest_length() {
-    // A kink that is at no end of any piece: two pieces more at each halving, down to 2⁻³⁰.
-    let watched = Watched::new(|t: f64| (t - 1.0 / 3.0).abs() + 1.0);
+    // A root with a kink, at no end of any piece: two pieces more at each halving, down to 2⁻³⁰.
+    let watched = Watched::new(|t: f64| {
+        let beyond = t - 1.0 / 3.0;
+        if beyond > 0.0 { 2.0 * beyond } else { beyond }
+    });
     let nodes = watched.isolated(1e-15);
     assert_eq!(watched.looks(), (2 * 30 + 1) * (DEGREE + 1));
     let lengths = nodes.chunks(2).map(|ends| ends[1].at - ends[0].at);
@@ -305,4 +309,18 @@ fn a_sign_that_changes_or_is_not_sure_is_unknown() {
     unknown(0.0, |t| (t - 0.3) * (t - 0.301));
     // Noise that is no larger than it says, but hides a root.
     unknown(1e-3, |t| (t - 0.3).powi(2) + 2e-3 + 1e-3 * rough(t));
+}
+
+/// A function without a root that no polynomial resolves, as its logarithm is smooth; one with a
+/// pair of roots between two samples is halved.
+#[test]
+fn smooth_logarithms_have_no_roots() {
+    let falling = Watched::new(|t: f64| (-900.0 * t).exp());
+    falling.isolated(1e-15);
+    assert!(falling.looks() <= 31 * (DEGREE + 1));
+    for half in [1e-3, 1e-5, 1e-7] {
+        let pair = Watched::new(|t: f64| (t - 0.4321).powi(2) - half * half);
+        let roots = brackets(&pair.isolated(1e-17)).len();
+        assert_eq!(roots, 2, "{half}");
+    }
 }
