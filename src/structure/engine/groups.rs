@@ -259,8 +259,8 @@ impl Groups {
         }
     }
 
-    /// Sets an elastic contact: its stiffness and the sign of y, which are k_t and 1 while its slider
-    /// is at rest, 0 and σ in slip, and y up to order 1.
+    /// Sets an elastic contact: its stiffness and the sign of y, which are k_t and 1 while its
+    /// slider is at rest, 0 and σ in slip, and y up to order 1.
     pub(super) fn spring(&mut self, number: usize, [stiffness, side]: [f64; 2], speeds: [f64; 2]) {
         let Slot { group, lane } = Slot::of(number);
         let group = &mut self.series.groups[group];
