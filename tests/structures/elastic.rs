@@ -806,6 +806,93 @@ fn a_slider_held_at_its_limit_is_released_with_its_holder() {
     }
 }
 
+/// A rigid contact that is released beside a slider at its limit, against the slider: the force
+/// leaves its limit inwards, like the cube of the time, below a rate that is rounding.
+#[test]
+fn a_slider_at_its_limit_follows_a_release_away_from_it() {
+    let stiffness = DMatrix::from_row_slice(
+        3,
+        3,
+        &[
+            0.251479039587716,
+            -0.13454860141031622,
+            0.0,
+            -0.13454860141031622,
+            2.971490888156166,
+            -1.721381068830274,
+            0.0,
+            -1.721381068830274,
+            2.33617803613515,
+        ],
+    );
+    let damping = [
+        0.09534328712801023,
+        0.010516933183188493,
+        0.0372234831951358,
+    ];
+    let [law, other] = [
+        (0.2517837611277179, 0.20629491420095078, 0.08938463133025852),
+        (0.2619347185088628, 0.17980208304910145, 0.27844063109876555),
+    ]
+    .map(|(a, b, c)| Exponential::new(a, b, c).unwrap());
+    let holder = Contact::between(0, 1, law, 2.0369043293876534).unwrap();
+    let other = Contact::new(1, other, 3.421100214505022).unwrap();
+    let tangential = 12.753911310667279;
+    let slider = Contact::along(
+        &[(0, 0.5), (1, -0.5)],
+        coulomb(0.46401581208136344),
+        0.24350193840412676,
+    )
+    .and_then(|slider| slider.with_tangential_stiffness(tangential))
+    .unwrap();
+    let structure = Structure::new(&[1.1127855827847113, 1.0865701672297055, 1.0642399331322963])
+        .and_then(|structure| structure.with_stiffness(stiffness))
+        .and_then(|structure| {
+            structure.with_damping(DMatrix::from_diagonal(&DVector::from_row_slice(&damping)))
+        })
+        .and_then(|structure| structure.with_contact(holder))
+        .and_then(|structure| structure.with_contact(other.on_belt(0.265625)))
+        .and_then(|structure| structure.with_contact(slider))
+        .unwrap();
+    let start = State::new(
+        &[
+            0.3076160454771374,
+            -0.12487132978025606,
+            0.12200027081020837,
+        ],
+        &[0.7042202501052828, -0.27554694673495583, 0.9231543582271],
+    );
+    for tolerance in [Integrator::ROUND_OFF, 1e-12, 1e-9] {
+        let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+        let motion = integrator.simulate(&structure, start.clone(), 4.5).unwrap();
+        assert!(motion.steps().len() < 100, "{tolerance:e}");
+        let [release] = motion
+            .events()
+            .iter()
+            .filter(|event| event.time > 4.0)
+            .collect::<Vec<_>>()[..]
+        else {
+            panic!("{tolerance:e}: {:?}", motion.events());
+        };
+        assert_eq!(release.contact, 0, "{tolerance:e}");
+        assert_eq!(release.kind, EventKind::Release(Direction::Lagging));
+        assert!(
+            (release.time - 4.0350067371).abs() < 1e-8,
+            "{}",
+            release.time
+        );
+        let gap = |state: &State| state.displacements[0] - state.displacements[1];
+        let moved = gap(&motion.last()) - gap(&release.state);
+        let limit = 0.46401581208136344 * 0.24350193840412676;
+        let expected = limit + tangential * 0.5 * moved;
+        let carried = motion.last().memory[0];
+        assert!(
+            moved < -1e-4 && (carried - expected).abs() < 1e-9,
+            "{carried} {expected}"
+        );
+    }
+}
+
 /// Rest lasts as long as asked.
 #[test]
 fn rest_lasts_for_any_duration() {

@@ -85,7 +85,7 @@ impl Decision {
             let mut forces: Vec<f64> = pulls.collect();
             factor.solve(&mut forces);
             for (&c, force) in std::iter::zip(contacts, forces) {
-                if let Edge::On(Some(side)) = situation.contacts[c].edge {
+                if let Edge::On(Some(side), 1) = situation.contacts[c].edge {
                     let bound = side.sign() * series.contacts[c].bound[0] / root(c);
                     beyond.push((c, force - bound));
                 }
@@ -396,7 +396,7 @@ impl Decision {
             let state = &mut situation.contacts[candidate.contact];
             let of = &series.contacts[candidate.contact];
             match (candidate.choice, state.edge) {
-                (Choice::Stick, Edge::On(None)) => {
+                (Choice::Stick, Edge::On(None, _)) => {
                     let side = side_of(candidate.force);
                     let sides = [side, side.opposite()];
                     let mut out = sides
@@ -404,7 +404,7 @@ impl Decision {
                         .filter(|&side| state.edge.leaving(of, side).1 < 0.0);
                     broken.extend(out.next().map(|side| (i, Some(side))));
                 }
-                (Choice::Stick, Edge::On(Some(side)) | Edge::Touched(Some(side))) => {
+                (Choice::Stick, Edge::On(Some(side), _)) => {
                     let (edge, sign) = state.edge.leaving(of, side);
                     state.edge = edge;
                     broken.extend((sign < 0.0).then_some((i, Some(side))));
@@ -425,7 +425,7 @@ impl Decision {
         for &(i, side) in broken.iter().take(count) {
             let candidate = &mut self.candidates[i];
             if side.is_some() {
-                candidate.resting.edge = Edge::On(side);
+                candidate.resting.edge = Edge::reached(side);
             }
             candidate.choice = match side {
                 None => Choice::Stick,
@@ -499,13 +499,13 @@ impl Candidate {
         let has_arrived = self.resting.has_arrived();
         if has_arrived && self.limit.max(self.force.abs()) <= self.rounding {
             // No band yet, for the load begins: on both of its bounds.
-            return Edge::On(None);
+            return Edge::reached(None);
         }
         let is_known = self.resting.edge != Edge::Away;
         let is_on_edge =
             excess.abs() <= self.rounding && (is_known || has_arrived || excess >= 0.0);
         if is_on_edge {
-            Edge::On(Some(side_of(self.force)))
+            Edge::reached(Some(side_of(self.force)))
         } else {
             Edge::Away
         }

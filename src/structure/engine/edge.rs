@@ -20,26 +20,29 @@ pub(super) enum Edge {
     /// The contact is not on the bound, as far as is known.
     #[default]
     Away,
-    /// The contact is exactly on the bound.
-    On(Option<Direction>),
-    /// The contact is on the bound, and the rate is 0: it only touches the bound.
-    Touched(Option<Direction>),
+    /// The contact is on the bound, and this number of the first coefficients of its distance are
+    /// 0: one if it reaches the bound, two if it only touches it.
+    On(Option<Direction>, usize),
 }
 
 impl Edge {
+    /// A contact that has just reached the bound.
+    pub(super) fn reached(side: Option<Direction>) -> Self {
+        Self::On(side, 1)
+    }
+
     /// Number of coefficients of the distance from the bound that are 0.
     pub(super) fn known(self) -> usize {
         match self {
             Self::Away => 0,
-            Self::On(_) => 1,
-            Self::Touched(_) => 2,
+            Self::On(_, known) => known,
         }
     }
 
     /// Returns true if it is at the bound on this side.
     fn is_at(self, side: Direction) -> bool {
         match self {
-            Self::On(at) | Self::Touched(at) => at.is_none_or(|at| at == side),
+            Self::On(at, _) => at.is_none_or(|at| at == side),
             Self::Away => false,
         }
     }
@@ -57,13 +60,10 @@ impl Edge {
     }
 
     /// The direction in which the force leaves its bound on a side, and its position afterwards.
+    /// Zeros that other modes had made known are not.
     pub(super) fn leaving(self, series: &ContactSeries, side: Direction) -> (Self, f64) {
-        let mut distance = self.distance(series, side);
-        distance[0] = 0.0;
-        let (edge, sign) = leaving(&distance, series.bound[0], Some(side));
-        // This is the second call, after the rate has been set to 0.
-        let is_touched = matches!(self, Self::Touched(_)) && self.is_at(side);
-        (if is_touched { self } else { edge }, sign)
+        let distance = Self::reached(Some(side)).distance(series, side);
+        leaving(&distance, series.bound[0], Some(side))
     }
 }
 
@@ -78,37 +78,29 @@ pub(super) fn side_of(sign: f64) -> Direction {
 
 /// The sign with which a distance leaves 0: +1 if it grows, −1 if it becomes negative, 0 if it
 /// remains 0. Also returns the position afterwards.
-///
-/// A rate so small that the distance turns back within rounding of 0, on either side, counts as 0:
-/// the bound was only touched. Rounding is measured by the size of the terms, so that units of
-/// force and time do not matter.
 pub(super) fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
-    let (first, second) = (distance[1], distance[2]);
-    let height = first * first / (4.0 * second.abs());
-    let touched =
-        first.signum() != second.signum() && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
-    if touched {
-        return (Edge::Touched(side), second.signum());
+    match deciding(distance, bound) {
+        Some((order, c)) => (Edge::On(side, order), c.signum()),
+        None => (Edge::reached(side), 0.0),
     }
-    let mut rest = *distance;
-    rest[0] = 0.0;
-    let sign = deciding(&rest, bound).map_or(0.0, |(_, first)| first.signum());
-    (Edge::On(side), sign)
 }
 
 /// Order and value of the coefficient that decides the sign with which a distance leaves 0: the
-/// first one that is not 0, or the second if the first is positive and the distance becomes
-/// negative within rounding of 0.
+/// first one after c_0 that is not 0.
+///
+/// If it is so small that the distance turns back within rounding of 0, on either side, the next
+/// one decides: the bound was only touched. Rounding is measured by the size of the terms, so that
+/// units of force and time do not matter.
 pub(super) fn deciding(distance: &PowerSeries, bound: f64) -> Option<(usize, f64)> {
     let c = distance.coefficients();
-    let order = c.iter().position(|c| *c != 0.0)?;
+    let order = (1..c.len()).find(|&k| c[k] != 0.0)?;
     let (first, second) = (c[order], c.get(order + 1).copied().unwrap_or(0.0));
-    // The distance is largest where its derivative k c_k t^(k−1) + (k + 1) c_{k+1} t^k is 0.
+    // The distance turns back where k c_k t^(k−1) + (k + 1) c_{k+1} t^k is 0.
     let k = order as f64;
-    let turn = k * first / ((k + 1.0) * second.abs());
-    let height = first * turn.powi(order as i32) / (k + 1.0);
-    let turns_back = first > 0.0 && second < 0.0;
-    if turns_back && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs() {
+    let turn = k * first.abs() / ((k + 1.0) * second.abs());
+    let height = first.abs() * turn.powi(order as i32) / (k + 1.0);
+    let is_opposed = second != 0.0 && first.signum() != second.signum();
+    if is_opposed && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs() {
         return Some((order + 1, second));
     }
     Some((order, first))

@@ -101,8 +101,8 @@ fn land_contact(
     match firing {
         // Behind a break of a drive they may have jumped.
         Some(Firing::Bound(_) | Firing::Load) if settled.at_break.is_some() => {}
-        Some(Firing::Bound(side)) => state.edge = Edge::On(Some(side)),
-        Some(Firing::Load) => state.load_edge = Edge::On(None),
+        Some(Firing::Bound(side)) => state.edge = Edge::reached(Some(side)),
+        Some(Firing::Load) => state.load_edge = Edge::reached(None),
         _ => {}
     }
     if let (Phase::Stick { since, from }, Some(i)) = (state.phase, model.owner_of(c)) {

@@ -412,7 +412,7 @@ fn trigger(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) ->
     model.shared.iter().find_map(|&c| {
         let state = &situation.contacts[c];
         match state.edge {
-            Edge::On(Some(side)) => {
+            Edge::On(Some(side), _) => {
                 let distance = Edge::Away.distance(&series.contacts[c], side);
                 Some(Trigger::Bound(c, side, -distance.derivative().at(h)))
             }

@@ -231,23 +231,22 @@ pub(super) fn revise_elastic(
         }
         find_edge(model, situation, series, c);
         let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
-        let sides = match state.edge {
-            Edge::Away => continue,
-            Edge::On(Some(side)) | Edge::Touched(Some(side)) => [Some(side), None],
-            Edge::On(None) | Edge::Touched(None) => {
-                [Some(Direction::Lagging), Some(Direction::Leading)]
-            }
+        let Edge::On(at, _) = state.edge else {
+            continue;
         };
-        for side in sides.into_iter().flatten() {
-            if let Edge::On(Some(_)) = state.edge {
-                state.edge = state.edge.leaving(of, side).0;
+        // ζ_σ = 0 where a slider has stopped; zeros that other modes had made known are not.
+        let has_stopped = matches!(state.entry, Entry::Arrived(Some(_)));
+        let known = Edge::On(at, if has_stopped { 2 } else { 1 });
+        state.edge = known;
+        for side in [Direction::Lagging, Direction::Leading] {
+            if at.is_some_and(|at| at != side) {
+                continue;
             }
-            let distance = state.edge.distance(of, side);
-            let Some((order, d)) = deciding(&distance, of.bound[0]).filter(|&(order, _)| order > 0)
-            else {
+            let Some((order, d)) = deciding(&known.distance(of, side), of.bound[0]) else {
                 continue;
             };
             if d >= 0.0 {
+                state.edge = at.map_or(known, |_| Edge::On(at, order));
                 continue;
             }
             let speed = if order == 1 { -d / stiffness } else { 0.0 };
@@ -295,11 +294,11 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
     let begins = state.load_edge != Edge::Away;
     state.edge = match state.entry {
         // ζ_σ = 0, where T = σμN.
-        Entry::Arrived(Some(from)) => Edge::Touched(Some(from)),
+        Entry::Arrived(Some(from)) => Edge::reached(Some(from)),
         // No band yet, for the load begins: on both of its bounds.
-        _ if is_fresh && (begins || bound.max(carried.abs()) <= rounding) => Edge::On(None),
+        _ if is_fresh && (begins || bound.max(carried.abs()) <= rounding) => Edge::reached(None),
         // Also where another contact has held it there: rounding is no distance that could be left.
-        _ if beyond >= -rounding => Edge::On(Some(side_of(carried))),
+        _ if beyond >= -rounding => Edge::reached(Some(side_of(carried))),
         _ => Edge::Away,
     };
 }
@@ -320,7 +319,7 @@ pub(super) fn land_springs(
         }
         let at_limit = match (state.phase, state.edge) {
             (Phase::Slip { direction, .. }, _) => Some(direction),
-            (Phase::Stick { .. }, Edge::On(side)) => side,
+            (Phase::Stick { .. }, Edge::On(side, _)) => side,
             _ => None,
         };
         let jumps = at_break.is_some_and(|time| contact.load.jumps_at(time));

@@ -322,7 +322,7 @@ fn revise_stick(
     let is_known = state.edge != Edge::Away;
     let is_fresh = state.has_arrived();
     let side = match state.edge {
-        Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
+        Edge::On(Some(side), _) => side,
         _ => side_of(carried),
     };
     let beyond = side.sign() * carried - bound;
@@ -339,7 +339,7 @@ fn revise_stick(
     let mut release = None;
     if is_fresh && bound.max(carried.abs()) <= rounding {
         // No band yet, for the load begins: on both of its bounds.
-        state.edge = Edge::On(None);
+        state.edge = Edge::reached(None);
         let rates = [side, side.opposite()].map(|side| (side, state.edge.leaving(of, side).1));
         let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
         release = out.map(|(side, _)| (side, 0.0));
