@@ -161,6 +161,11 @@
 //! * **Stiff bristles.** The number of steps in slip does not grow with the stiffness of the
 //!   bristles (tried up to σ0 = 10¹²):
 //!   `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
+//! * **Units** do not matter, as long as the angular frequencies and rates of a structure are
+//!   between 1e-9 and 1e10 per unit of time. Steps are at most 2³² units long, so slower motions
+//!   take more steps; faster ones end in [`Error::StepUnderflow`](crate::Error::StepUnderflow),
+//!   because the coefficients of their series overflow:
+//!   `structures::identities::the_unit_of_time_does_not_matter`.
 //! * **Limits of work** (numbers of steps and events) are observed:
 //!   `structures::random::limits_of_work_hold`.
 //!

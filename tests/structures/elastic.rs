@@ -348,7 +348,7 @@ fn a_scheme_without_events_comes_to_the_same_states() {
         let mut found = apart(8_000);
         let first = found;
         // Of first order where a load comes back over a contact that sticks.
-        for steps in [64_000, 512_000] {
+        for steps in [64_000, 512_000, 4_096_000] {
             if found > 1e-5 {
                 found = apart(steps);
             }

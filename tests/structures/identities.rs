@@ -467,3 +467,41 @@ fn a_frame_that_turns_at_varying_speed_changes_nothing() {
         }
     }
 }
+
+/// Another unit of time changes rounding only: no step, no event.
+#[test]
+fn the_unit_of_time_does_not_matter() {
+    // Seconds in `unit`.
+    let motion = |unit: f64| {
+        let (rate, force) = (1.0 / unit, 1.0 / (unit * unit));
+        let law = Exponential::new(0.4, 0.25, 0.3 * rate).unwrap();
+        let elastic = Contact::between(0, 1, Coulomb::new(0.3, 0.3)?, 0.5 * force)?
+            .with_tangential_stiffness(2.0 * force)?;
+        Structure::new(&[1.0, 0.7])?
+            .with_ground_spring(0, force)?
+            .with_spring(0, 1, 0.8 * force)?
+            .with_damper(0, 1, 0.05 * rate)?
+            .with_force(1, Drive::sine(0.5 * force, 0.75 * rate)?)?
+            .with_contact(Contact::new(0, law, force)?.on_belt(0.2 * rate))?
+            .with_contact(elastic)?
+            .simulate(
+                State::new(&[0.3, -0.2], &[0.5 * rate, -0.1 * rate]),
+                30.0 * unit,
+            )
+    };
+    let first = motion(1.0).unwrap();
+    assert!(first.events().len() > 20);
+    for power in [-34, -10, 10, 30] {
+        let unit = 2.0_f64.powi(power);
+        let other = motion(unit).unwrap();
+        assert_eq!(first.steps().len(), other.steps().len(), "2^{power}");
+        assert_eq!(first.events().len(), other.events().len(), "2^{power}");
+        for (one, same) in std::iter::zip(first.events(), other.events()) {
+            assert_eq!((one.contact, one.kind), (same.contact, same.kind));
+            assert_abs_diff_eq!(one.time, same.time / unit, epsilon = 1e-12);
+            for (x, y) in std::iter::zip(&one.state.displacements, &same.state.displacements) {
+                assert_abs_diff_eq!(*x, *y, epsilon = 1e-12);
+            }
+        }
+    }
+}

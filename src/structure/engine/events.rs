@@ -35,7 +35,7 @@ pub(super) fn first_firings(
     for (c, contact) in model.contacts.iter().enumerate() {
         let limit = if end < h { h.min(end + slack(end)) } else { h };
         let (state, series) = (&situation.contacts[c], &series.contacts[c]);
-        let firing = first_firing(state, series, &contact.breakpoints, limit)?;
+        let firing = first_firing(state, series, &contact.breakpoints, limit, slack(limit))?;
         if let Some((time, _)) = firing {
             end = end.min(time);
         }
@@ -50,12 +50,14 @@ pub(super) fn first_firings(
     Ok(end)
 }
 
-/// The first event of a contact in (0, h], and its time.
+/// The first event of a contact in (0, h], and its time. A band that closes with its load is not
+/// left before that.
 fn first_firing(
     state: &ContactState,
     series: &ContactSeries,
     breakpoints: &[f64],
     h: f64,
+    slack: f64,
 ) -> Result<Option<(f64, Firing)>, TooCurved> {
     let of_load = load_firing(state, series, h)?;
     let of_motion = match state.phase {
@@ -64,7 +66,7 @@ fn first_firing(
         Phase::Slip { piece, .. } => speed_firing(&series.speeds, breakpoints, piece, h)?,
     };
     Ok(match (of_load, of_motion) {
-        (Some(load), Some(motion)) if motion.0 < load.0 => Some(motion),
+        (Some(load), Some(motion)) if motion.0 < load.0 - slack => Some(motion),
         (load, motion) => load.or(motion),
     })
 }
