@@ -391,6 +391,33 @@ fn a_load_that_falls_to_zero_opens_the_contact() -> Result<(), Error> {
     Ok(())
 }
 
+/// The band closes with the load: a force that is rounding does not leave it before, and one that
+/// grows does.
+#[test]
+fn a_band_that_closes_with_its_load_is_left_where_the_force_reaches_it() -> Result<(), Error> {
+    let load = Drive::profile(&[(0.0, 1.0), (10.0, -1.0)])?;
+    let structure = Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?)?;
+    let motion = structure.simulate(structure::State::new(&[2e-16], &[0.0]), 9.0)?;
+    let kinds: Vec<EventKind> = motion.events().iter().map(|event| event.kind).collect();
+    assert_eq!(kinds, [EventKind::Open]);
+    // Carried by the belt: q = vt, k q = μ_s (N − γq).
+    let [limit, stiffness, slope, speed] = [0.4, 1.5, 0.5, 0.1];
+    let contact = Contact::new(0, Coulomb::new(limit, 0.3)?, 1.0)?
+        .on_belt(speed)
+        .with_load_gradient(0, -slope)?;
+    let structure = Structure::new(&[1.0])?
+        .with_ground_spring(0, stiffness)?
+        .with_contact(contact)?;
+    let motion = structure.simulate(structure::State::new(&[0.0], &[speed]), 5.0)?;
+    let release = &motion.events()[0];
+    let expected = limit / ((stiffness + limit * slope) * speed);
+    assert_eq!(release.kind, EventKind::Release(Direction::Lagging));
+    assert_abs_diff_eq!(release.time, expected, epsilon = 1e-14);
+    Ok(())
+}
+
 #[test]
 fn a_load_that_springs_lift_ends_the_motion() -> Result<(), Error> {
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?

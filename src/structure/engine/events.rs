@@ -35,7 +35,7 @@ pub(super) fn first_firings(
     for (c, contact) in model.contacts.iter().enumerate() {
         let limit = if end < h { h.min(end + slack(end)) } else { h };
         let (state, series) = (&situation.contacts[c], &series.contacts[c]);
-        let firing = first_firing(state, series, &contact.breakpoints, limit, slack(limit))?;
+        let firing = first_firing(state, series, &contact.breakpoints, limit, slack)?;
         if let Some((time, _)) = firing {
             end = end.min(time);
         }
@@ -57,7 +57,7 @@ fn first_firing(
     series: &ContactSeries,
     breakpoints: &[f64],
     h: f64,
-    slack: f64,
+    slack: impl Fn(f64) -> f64,
 ) -> Result<Option<(f64, Firing)>, TooCurved> {
     let of_load = load_firing(state, series, h)?;
     let of_motion = match state.phase {
@@ -66,7 +66,7 @@ fn first_firing(
         Phase::Slip { piece, .. } => speed_firing(&series.speeds, breakpoints, piece, h)?,
     };
     Ok(match (of_load, of_motion) {
-        (Some(load), Some(motion)) if motion.0 < load.0 - slack => Some(motion),
+        (Some(load), Some(motion)) if motion.0 < load.0 - slack(load.0) => Some(motion),
         (load, motion) => load.or(motion),
     })
 }
