@@ -244,11 +244,6 @@ impl LimitCycle {
         self.velocities()[0]
     }
 
-    /// Mean displacement (1/T)∮u dτ, dimensionless.
-    pub fn mean_displacement(&self) -> f64 {
-        self.mean_of_displacement()
-    }
-
     /// Floquet multiplier, dimensionless: the factor by which a small perturbation changes over one
     /// period. The page [`limit_cycle`](crate::limit_cycle) gives the formula for a cycle without
     /// stick. For a cycle that sticks the multiplier is 0, because every stick phase ends at the

@@ -235,8 +235,8 @@ impl LimitCycle {
         power_of_two(max.max(-min).max(1.0))
     }
 
-    /// The mean displacement.
-    pub(super) fn mean_of_displacement(&self) -> f64 {
+    /// Mean displacement (1/T)∮u dτ, dimensionless.
+    pub fn mean_displacement(&self) -> f64 {
         let unit = self.unit_of_displacement();
         unit * (self.integral_of_displacement(unit) / self.period())
     }

@@ -117,6 +117,13 @@ pub(super) const FINE: f64 = 1e-13;
 /// next step would be rounding.
 const FAST: f64 = 1e-3;
 
+/// Curvature of a residual over an increment of the parameter, as a part of its change, up to which
+/// a central difference has errors of its square only.
+const STRAIGHT: f64 = 1e-3;
+
+/// A derivative up to which short increments lose few digits.
+const MILD: f64 = 30.0;
+
 /// Increments of the parameter for the derivative, in units of the range: shorter ones near a
 /// change of the event sequence.
 const PARTS: [f64; 3] = [1e-6, 1e-8, 1e-10];
@@ -312,13 +319,25 @@ impl Curve<'_> {
             let miss = trial.map.residual_near(&trial.map.start, &end);
             Some((beside[last] - y[last], miss, passed == events))
         };
+        let here = trial.map.residual();
         let mut slope = DVector::zeros(self.order);
-        // A map with a large derivative is also strongly nonlinear.
+        // A map with a large derivative may be nonlinear as strongly as its square, as beside a
+        // tangential arrival. If it is not, longer increments lose less to rounding.
         let growth = 0.5 * trial.map.growth();
-        for part in PARTS {
-            let step = part * self.width() / (1.0 + growth * growth);
+        let nonlinearity = 1.0 + growth * growth;
+        if growth > MILD {
+            let step = PARTS[0] * self.width() / nonlinearity.cbrt();
             let (low, high) = (miss(-step), miss(step));
-            let here = Some((0.0, trial.map.residual(), true));
+            if let (Some((a, below, true)), Some((b, above, true))) = (low, high)
+                && (&below + &above - &here * 2.0).norm() <= STRAIGHT * (&above - &below).norm()
+            {
+                return (above - below) / (b - a);
+            }
+        }
+        for part in PARTS {
+            let step = part * self.width() / nonlinearity;
+            let (low, high) = (miss(-step), miss(step));
+            let here = Some((0.0, here.clone(), true));
             let is_same =
                 |side: &Option<(f64, DVector<f64>, bool)>| side.as_ref().is_some_and(|side| side.2);
             let any = is_same(&low) || is_same(&high);

@@ -29,8 +29,9 @@ pub(super) struct Walk<'v, 'f> {
 /// The longest step, in units of the range and of the sizes of the motion.
 const LONGEST: f64 = 1.0 / 64.0;
 
-/// The shortest step.
+/// The shortest step, and its least length in units of the magnification of rounding errors.
 const SHORTEST: f64 = 1e-9;
+const INDISTINCT: f64 = 1e-12;
 
 /// The least cosine of the angle between the tangents at neighbouring points.
 const STRAIGHT: f64 = 0.97;
@@ -178,7 +179,7 @@ impl Walk<'_, '_> {
         let mut length = longest;
         // The map magnifies rounding errors, so points at a smaller distance cannot be
         // distinguished.
-        let shortest = SHORTEST * base.trial.map.growth();
+        let shortest = SHORTEST.max(INDISTINCT * base.trial.map.growth());
         let here = CurvePoint {
             distance: 0.0,
             solved: base.clone(),
@@ -412,17 +413,13 @@ impl Walk<'_, '_> {
                 known.push(point);
             }
         }
+        let count = known.len();
+        if count < 3 {
+            return None;
+        }
+        let [rough, exact] = [count - 1, count].map(|n| at_zero(&mut known[..n].to_vec()));
         let [_, last] = known[0];
-        let [rough, exact] = [known.len().saturating_sub(1), known.len()].map(|n| {
-            let mut nearest = known[..n].to_vec();
-            if nearest.is_empty() {
-                last
-            } else {
-                at_zero(&mut nearest)
-            }
-        });
-        let converges = (exact - rough).abs() <= 0.1 * (exact - last).abs();
-        (known.len() > 2 && converges).then_some(exact)
+        ((exact - rough).abs() <= 0.1 * (exact - last).abs()).then_some(exact)
     }
 
     /// The grazing point at which the curve ends behind a point, if there is one.

@@ -724,6 +724,7 @@ fn sliders_stop_with_the_contacts_that_hold_them() {
                 stop.unwrap().time
             };
             let exact = *first.get_or_insert(stop(0));
+            // The errors of all steps before, divided by the deceleration at the stop.
             for time in [stop(0), stop(1)] {
                 assert!(
                     (time - exact).abs() <= 100.0 * tolerance,
