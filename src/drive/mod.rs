@@ -261,6 +261,12 @@ impl Drive {
         self.constant.abs() + harmonics.chain(profiles).sum::<f64>()
     }
 
+    /// The largest angular frequency; 0 without harmonics.
+    pub(crate) fn fastest(&self) -> f64 {
+        let frequencies = self.harmonics.iter().map(Harmonic::frequency);
+        frequencies.fold(0.0, |fastest, frequency| fastest.max(frequency.abs()))
+    }
+
     /// The sum of two drives.
     pub(crate) fn plus(self, other: &Self) -> Result<Self, Error> {
         let mut sum = self.with_constant(other.constant)?;

@@ -33,8 +33,8 @@ use crate::series::{PowerSeries, TERMS};
 /// # Errors
 ///
 /// * The errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law;
-/// * [`Error::InvalidParameter`] if the range does not satisfy 0 ≤ start < end < ∞, or if 10 000
-///   power series do not reach its end.
+/// * [`Error::InvalidParameter`] if the range does not satisfy 0 ≤ start < end ≤ 10¹⁰, or if
+///   10 000 power series do not reach its end.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, LawFault, Polynomial, Scalar, check_law};
@@ -76,8 +76,8 @@ fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error>
         "check_law",
         "speeds.end",
         end,
-        end > start,
-        "0 ≤ start < end",
+        end > start && end <= LARGEST_SPEED,
+        "start < end ≤ 1e10",
     )?;
     let mut inspection = Inspection {
         law,
@@ -98,6 +98,9 @@ fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error>
     }
     Ok(inspection.finish(end))
 }
+
+/// At much larger speeds the powers of a series overflow.
+const LARGEST_SPEED: f64 = 1e10;
 
 /// Least number of points in the range at which the law is evaluated.
 const PLACES: f64 = 4096.0;
@@ -212,7 +215,7 @@ impl Inspection<'_> {
     /// Records the narrow features of one piece of the law: speeds at which it differs from a
     /// series that begins far away, and soon agrees with it again.
     fn features(&mut self, piece: usize, start: f64, end: f64) {
-        let parts = (STARTS * (end - start) / self.range).ceil();
+        let parts = (STARTS * ((end - start) / self.range)).ceil();
         for i in 0..=parts as usize {
             let at = (start + (end - start) * (i as f64 / parts)).min(end);
             let c = taylor_coefficients_on::<TERMS>(self.law, piece, at);

@@ -337,6 +337,15 @@ fn the_laws_of_the_crate_have_no_faults() {
     });
 }
 
+#[test]
+fn a_range_may_end_at_the_largest_speed() {
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    assert_eq!(check_law(&law, 0.0..1e10).unwrap(), []);
+    for end in [1.1e10, f64::MAX] {
+        assert!(check_law(&law, 0.0..end).is_err());
+    }
+}
+
 /// A kink of any size at any place is found there, and nothing else is.
 #[test]
 fn a_kink_is_found_wherever_it_lies() {

@@ -505,3 +505,35 @@ fn the_unit_of_time_does_not_matter() {
         }
     }
 }
+
+/// A mass without a ground spring is slower than its drives: their own time is the scale by which
+/// errors are measured, and a narrow law at the end of a step is not stepped over.
+#[test]
+fn errors_follow_the_tolerance_under_a_fast_surface() {
+    let surface = Drive::sine(0.49771337747009914, 3.0687358676696874)
+        .and_then(|drive| drive.with_constant(-0.05791618370614726))
+        .unwrap();
+    let law = Exponential::new(0.29701115141331247, 0.23706454888389647, 0.0549066127385061);
+    let rigid = Contact::new(0, law.unwrap(), 1.0319745411503436).unwrap();
+    let coulomb = Coulomb::new(0.2766483635195277, 0.2766483635195277).unwrap();
+    let elastic = Contact::new(0, coulomb, 0.4138683850898119)
+        .and_then(|contact| contact.with_tangential_stiffness(0.6794736866916499))
+        .unwrap();
+    let structure = Structure::new(&[2.8173773985555135])
+        .and_then(|structure| structure.with_ground_damper(0, 0.053051621162190025))
+        .and_then(|structure| structure.with_contact(rigid.on_belt(surface)))
+        .and_then(|structure| structure.with_contact(elastic.on_belt(0.32)))
+        .unwrap();
+    let start = || State::new(&[-0.23768315433777576], &[-0.05791618370614726]);
+    let exact = structure.simulate(start(), 6.0).unwrap();
+    for tolerance in [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11] {
+        let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+        let motion = integrator.simulate(&structure, start(), 6.0).unwrap();
+        for k in 1..=60 {
+            let time = 0.1 * f64::from(k);
+            let [a, b] = [&exact, &motion].map(|motion| motion.state_at(time).unwrap());
+            let apart = (a.velocities[0] - b.velocities[0]).abs();
+            assert!(apart < 40.0 * tolerance, "{tolerance:e} {time}: {apart:e}");
+        }
+    }
+}

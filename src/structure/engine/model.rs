@@ -57,6 +57,8 @@ pub(crate) struct Model<'s> {
     /// this time. Without springs it is computed from the dampers; without dampers it is infinite.
     /// Springs of contacts are not included: see [`time_unit_with`](Self::time_unit_with).
     pub(super) time_unit: f64,
+    /// The time in which the fastest drive advances by one radian; infinite without harmonics.
+    pub(super) drive_unit: f64,
 }
 
 /// A mass matrix, symmetric and positive definite.
@@ -127,6 +129,7 @@ impl<'s> Model<'s> {
             is_driven: vec![false; n],
             bandwidth: 0,
             time_unit: f64::INFINITY,
+            drive_unit: f64::INFINITY,
         };
         model.place_contacts();
         model.place_springs();
@@ -277,6 +280,9 @@ impl<'s> Model<'s> {
         self.varying = targets
             .filter(|&target| !self.drive(target).is_constant())
             .collect();
+        let drives = self.varying.iter().map(|&target| self.drive(target));
+        let fastest = drives.fold(0.0, |fastest: f64, drive| fastest.max(drive.fastest()));
+        self.drive_unit = fastest.recip();
         for target in &self.varying {
             match *target {
                 Target::Force(j) => {

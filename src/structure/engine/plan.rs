@@ -40,7 +40,7 @@ pub(super) struct Plan {
     /// The time unit in which step lengths are measured.
     pub(super) unit: f64,
     /// The time over which the changes of velocities are used as their scales: the time unit, or
-    /// less if steps are a small part of it.
+    /// that of the drives, or less if steps are a small part of it.
     within: f64,
     /// The allowances of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
@@ -146,7 +146,8 @@ pub(super) fn plan_reach(
         }
     }
     plan.unit = time_unit(model, situation, series, scales);
-    let mut within = plan.unit;
+    // A velocity that a drive changes has its size after one radian of the drive.
+    let mut within = plan.unit.min(model.drive_unit);
     loop {
         let farthest = plan_within(model, situation, series, tolerance, within, plan);
         let shorter = BEYOND * farthest;
