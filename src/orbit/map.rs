@@ -567,7 +567,12 @@ pub(super) fn held_period_map(
     let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
     let mut monodromy = &flow.tangents * &head.0;
     let mut cycle = head.0 * &flow.tangents;
-    for (j, depends) in flow.depends.iter().enumerate() {
+    let mut depends = flow.depends.clone();
+    // The clock of a contact that never slips runs on, and only its limit follows.
+    for c in (0..form.contacts()).filter(|&c| form.holds(c) && never_slips(&steps)(c)) {
+        depends[form.model.memory(c)].fill(false);
+    }
+    for (j, depends) in depends.iter().enumerate() {
         if !depends {
             cycle.row_mut(2 * n + j).fill(0.0);
             cycle.column_mut(2 * n + j).fill(0.0);
@@ -607,7 +612,7 @@ pub(super) fn held_period_map(
         end_modes,
         monodromy,
         flow: flows,
-        depends: flow.depends.clone(),
+        depends,
         memory_units: form.memory_units(),
         cycle: (cycle, head.1),
         held,
