@@ -8,7 +8,8 @@ use crate::motion::{Mode, Segment, Trajectory};
 use crate::state::structure::State;
 
 /// State, forces and accelerations of a [`Structure`] at one instant of a motion. See
-/// [`Structure::samples`].
+/// [`Structure::samples`]. Accelerations, forces and loads are infinite or NaN where a displacement
+/// or velocity of the motion overflows.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
