@@ -7,7 +7,7 @@ use super::map::PeriodMap;
 use super::unslipped::slips_one_way;
 use crate::motion::{EventKind, Segment};
 
-/// Distances beyond the last motion at which the border is searched, in units of the shortest step.
+/// Distances beyond the last motion at which the border is searched, in units of a least one.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
 
 /// Limit of bisections of the interval that holds the border: down to neighbouring numbers.
@@ -52,18 +52,18 @@ struct Side {
 
 impl LocalCurve<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
-    /// of the shortest steps; with its distance, and its size in units of the sizes.
-    pub(super) fn discontinuity(&self, shortest: f64) -> Option<Discontinuity> {
+    /// of these least distances; with its distance, and its size in units of the sizes.
+    pub(super) fn discontinuity(&self, least: f64) -> Option<Discontinuity> {
         let mut found = PERIODS.into_iter();
-        let found = found.find_map(|periods| self.discontinuity_within(periods, shortest));
+        let found = found.find_map(|periods| self.discontinuity_within(periods, least));
         found.or_else(|| self.already_slips())
     }
 
     /// The same, from the events of some periods.
-    fn discontinuity_within(&self, periods: f64, shortest: f64) -> Option<Discontinuity> {
+    fn discontinuity_within(&self, periods: f64, least: f64) -> Option<Discontinuity> {
         let mut low = (0.0, self.side(0.0, periods)?);
         for away in AWAY {
-            let high = (away * shortest, self.side(away * shortest, periods)?);
+            let high = (away * least, self.side(away * least, periods)?);
             if !high.1.is_like(&low.1, ALIKE) {
                 let (below, above) = self.border(low, high.clone(), periods)?;
                 let unslipped = self.base.trial.map.unslipped();

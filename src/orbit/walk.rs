@@ -29,9 +29,8 @@ pub(super) struct Walk<'v, 'f> {
 /// The longest step, in units of the range and of the sizes of the motion.
 const LONGEST: f64 = 1.0 / 64.0;
 
-/// The shortest step, and its least length in units of the magnification of rounding errors.
+/// The shortest step of a motion that magnifies nothing.
 const SHORTEST: f64 = 1e-9;
-const INDISTINCT: f64 = 1e-12;
 
 /// The least cosine of the angle between the tangents at neighbouring points.
 const STRAIGHT: f64 = 0.97;
@@ -177,9 +176,9 @@ impl Walk<'_, '_> {
         signs: &mut Signs,
     ) -> (Outcome, f64) {
         let mut length = longest;
-        // The map magnifies rounding errors, so points at a smaller distance cannot be
+        // The map magnifies rounding errors, so points at a much smaller distance cannot be
         // distinguished.
-        let shortest = SHORTEST.max(INDISTINCT * base.trial.map.growth());
+        let shortest = SHORTEST * base.trial.map.growth().sqrt();
         let here = CurvePoint {
             distance: 0.0,
             solved: base.clone(),
@@ -225,8 +224,10 @@ impl Walk<'_, '_> {
         error: Error,
     ) -> (Outcome, f64) {
         let mut end = self.grazing(view.base);
+        // A distance that events show beyond rounding.
+        let distinct = SHORTEST * view.base.trial.map.growth();
         if end.is_none()
-            && let Some(mut jump) = view.discontinuity(shortest)
+            && let Some(mut jump) = view.discontinuity(distinct)
         {
             if let BranchEnd::Discontinuity { parameter, .. } = &mut jump.end
                 && let Some(exact) = self.tangential_release(view.base)
