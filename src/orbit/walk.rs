@@ -224,7 +224,7 @@ impl Walk<'_, '_> {
         error: Error,
     ) -> (Outcome, f64) {
         let mut end = self.grazing(view.base);
-        // A distance that events show beyond rounding.
+        // At a smaller distance a change of the events may be rounding.
         let distinct = SHORTEST * view.base.trial.map.growth();
         if end.is_none()
             && let Some(mut jump) = view.discontinuity(distinct)

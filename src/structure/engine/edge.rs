@@ -60,7 +60,7 @@ impl Edge {
     }
 
     /// The direction in which the force leaves its bound on a side, and its position afterwards.
-    /// Zeros that other modes had made known are not.
+    /// Zeros found while other contacts had other modes no longer count.
     pub(super) fn leaving(self, series: &ContactSeries, side: Direction) -> (Self, f64) {
         let distance = Self::reached(Some(side)).distance(series, side);
         leaving(&distance, series.bound[0], Some(side))

@@ -234,7 +234,8 @@ pub(super) fn revise_elastic(
         let Edge::On(at, _) = state.edge else {
             continue;
         };
-        // ζ_σ = 0 where a slider has stopped; zeros that other modes had made known are not.
+        // ζ_σ = 0 where a slider has stopped. Zeros found while other contacts had other modes no
+        // longer count.
         let has_stopped = matches!(state.entry, Entry::Arrived(Some(_)));
         let known = Edge::On(at, if has_stopped { 2 } else { 1 });
         state.edge = known;
