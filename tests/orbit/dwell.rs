@@ -1,5 +1,6 @@
 //! Cycles with static friction that rises at rest, over belt velocities up to where they die.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::analysis::dwell::{DwellOscillator, ExactCycle};
 use stick_slip::orbit::{BranchEnd, Orbit, Period, follow, settle, shoot};
 use stick_slip::structure::State;
@@ -272,4 +273,42 @@ fn a_motion_that_only_slips_has_not_stuck() -> Result<(), Error> {
         assert!((orbit.multipliers()[0].re - 1.0981305946699447).abs() < 1e-12);
     }
     Ok(())
+}
+
+/// A block that never slips, whose limit grows with its time of rest for ever, beside one that
+/// does: the clock is not part of the motion.
+#[test]
+fn the_clock_of_a_block_at_rest_runs_on() {
+    let frequency = 0.4046846911102611;
+    let rests = Dwell::hyperbolic(Coulomb::new(0.34, 0.34).unwrap(), 0.61, 0.52).unwrap();
+    let slips = Dwell::exponential(Coulomb::new(0.66, 0.51).unwrap(), 0.87, 0.31).unwrap();
+    let structure = Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.1)?.with_ground_spring(1, 1.7))
+        .and_then(|s| s.with_spring(0, 1, 0.3)?.with_ground_damper(1, 0.08))
+        .and_then(|s| s.with_force(1, Drive::sine(0.5, frequency)?))
+        .and_then(|s| s.with_contact(Contact::new(0, rests, 0.33)?))
+        .and_then(|s| s.with_contact(Contact::new(1, slips, 0.25)?))
+        .unwrap();
+    let start = State::at_rest(2);
+    let orbit = settle(&structure, &start, 300.0, Period::Driven(1)).unwrap();
+    assert_eq!(orbit.unslipped(), [0]);
+    assert!(orbit.is_stable());
+    // One period later the clock alone has moved on.
+    let mut state = orbit.state();
+    let motion = structure.simulate(state.clone(), orbit.period()).unwrap();
+    state.memory[0] += orbit.period();
+    let last = motion.last();
+    for (x, y) in std::iter::zip(
+        last.displacements
+            .iter()
+            .chain(&last.velocities)
+            .chain(&last.memory),
+        state
+            .displacements
+            .iter()
+            .chain(&state.velocities)
+            .chain(&state.memory),
+    ) {
+        assert_abs_diff_eq!(*x, *y, epsilon = 1e-10);
+    }
 }

@@ -735,25 +735,39 @@ fn sliders_stop_with_the_contacts_that_hold_them() {
     }
 }
 
+/// Three masses with these contacts; K by rows, C by its diagonal.
+fn three_masses(
+    masses: [f64; 3],
+    stiffness: &[f64; 9],
+    damping: [f64; 3],
+    contacts: [Contact; 3],
+) -> Structure {
+    let damping = DMatrix::from_diagonal(&DVector::from_row_slice(&damping));
+    let structure = Structure::new(&masses)
+        .and_then(|structure| structure.with_stiffness(DMatrix::from_row_slice(3, 3, stiffness)))
+        .and_then(|structure| structure.with_damping(damping));
+    let with_contact = |structure: Structure, contact| structure.with_contact(contact);
+    contacts
+        .into_iter()
+        .try_fold(structure.unwrap(), with_contact)
+        .unwrap()
+}
+
 /// A rigid contact that is released beside a slider at its limit, on the same two masses: rounding
 /// of the force is no distance from the limit.
 #[test]
 fn a_slider_held_at_its_limit_is_released_with_its_holder() {
-    let stiffness = DMatrix::from_row_slice(
-        3,
-        3,
-        &[
-            1.9158405058072625,
-            -1.596678084769775,
-            0.0,
-            -1.596678084769775,
-            2.768145355743032,
-            -0.17022985088942297,
-            0.0,
-            -0.17022985088942297,
-            1.6808540255535818,
-        ],
-    );
+    let stiffness = [
+        1.9158405058072625,
+        -1.596678084769775,
+        0.0,
+        -1.596678084769775,
+        2.768145355743032,
+        -0.17022985088942297,
+        0.0,
+        -0.17022985088942297,
+        1.6808540255535818,
+    ];
     let damping = [
         0.04366652240181486,
         0.01042215565688992,
@@ -768,15 +782,13 @@ fn a_slider_held_at_its_limit_is_released_with_its_holder() {
     let slider = Contact::between(0, 1, slider, 0.316666460838668)
         .and_then(|slider| slider.with_tangential_stiffness(1.6015094389488542))
         .unwrap();
-    let structure = Structure::new(&[0.3002754503385648, 2.6912855534323405, 1.8554886585844865])
-        .and_then(|structure| structure.with_stiffness(stiffness))
-        .and_then(|structure| {
-            structure.with_damping(DMatrix::from_diagonal(&DVector::from_row_slice(&damping)))
-        })
-        .and_then(|structure| structure.with_contact(holder.on_belt(-0.390625)))
-        .and_then(|structure| structure.with_contact(other.on_belt(-0.03125)))
-        .and_then(|structure| structure.with_contact(slider.on_belt(-0.390625)))
-        .unwrap();
+    let masses = [0.3002754503385648, 2.6912855534323405, 1.8554886585844865];
+    let contacts = [
+        holder.on_belt(-0.390625),
+        other.on_belt(-0.03125),
+        slider.on_belt(-0.390625),
+    ];
+    let structure = three_masses(masses, &stiffness, damping, contacts);
     let start = State::new(
         &[
             0.10085934734081081,
@@ -811,21 +823,17 @@ fn a_slider_held_at_its_limit_is_released_with_its_holder() {
 /// leaves its limit inwards, like the cube of the time, below a rate that is rounding.
 #[test]
 fn a_slider_at_its_limit_follows_a_release_away_from_it() {
-    let stiffness = DMatrix::from_row_slice(
-        3,
-        3,
-        &[
-            0.251479039587716,
-            -0.13454860141031622,
-            0.0,
-            -0.13454860141031622,
-            2.971490888156166,
-            -1.721381068830274,
-            0.0,
-            -1.721381068830274,
-            2.33617803613515,
-        ],
-    );
+    let stiffness = [
+        0.251479039587716,
+        -0.13454860141031622,
+        0.0,
+        -0.13454860141031622,
+        2.971490888156166,
+        -1.721381068830274,
+        0.0,
+        -1.721381068830274,
+        2.33617803613515,
+    ];
     let damping = [
         0.09534328712801023,
         0.010516933183188493,
@@ -846,15 +854,9 @@ fn a_slider_at_its_limit_follows_a_release_away_from_it() {
     )
     .and_then(|slider| slider.with_tangential_stiffness(tangential))
     .unwrap();
-    let structure = Structure::new(&[1.1127855827847113, 1.0865701672297055, 1.0642399331322963])
-        .and_then(|structure| structure.with_stiffness(stiffness))
-        .and_then(|structure| {
-            structure.with_damping(DMatrix::from_diagonal(&DVector::from_row_slice(&damping)))
-        })
-        .and_then(|structure| structure.with_contact(holder))
-        .and_then(|structure| structure.with_contact(other.on_belt(0.265625)))
-        .and_then(|structure| structure.with_contact(slider))
-        .unwrap();
+    let masses = [1.1127855827847113, 1.0865701672297055, 1.0642399331322963];
+    let contacts = [holder, other.on_belt(0.265625), slider];
+    let structure = three_masses(masses, &stiffness, damping, contacts);
     let start = State::new(
         &[
             0.3076160454771374,

@@ -401,11 +401,11 @@ impl Decision {
                     let sides = [side, side.opposite()];
                     let mut out = sides
                         .into_iter()
-                        .filter(|&side| state.edge.leaving(of, side).1 < 0.0);
+                        .filter(|&side| Edge::leaving(of, side).1 < 0.0);
                     broken.extend(out.next().map(|side| (i, Some(side))));
                 }
                 (Choice::Stick, Edge::On(Some(side), _)) => {
-                    let (edge, sign) = state.edge.leaving(of, side);
+                    let (edge, sign) = Edge::leaving(of, side);
                     state.edge = edge;
                     broken.extend((sign < 0.0).then_some((i, Some(side))));
                 }

@@ -59,9 +59,10 @@ impl Edge {
         distance
     }
 
-    /// The direction in which the force leaves its bound on a side, and its position afterwards.
-    /// Zeros found while other contacts had other modes no longer count.
-    pub(super) fn leaving(self, series: &ContactSeries, side: Direction) -> (Self, f64) {
+    /// The direction in which a force leaves its bound on a side, and its position afterwards. Only
+    /// the distance itself is known to be 0: zeros found while other contacts had other modes no
+    /// longer count.
+    pub(super) fn leaving(series: &ContactSeries, side: Direction) -> (Self, f64) {
         let distance = Self::reached(Some(side)).distance(series, side);
         leaving(&distance, series.bound[0], Some(side))
     }

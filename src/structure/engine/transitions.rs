@@ -340,7 +340,7 @@ fn revise_stick(
     if is_fresh && bound.max(carried.abs()) <= rounding {
         // No band yet, for the load begins: on both of its bounds.
         state.edge = Edge::reached(None);
-        let rates = [side, side.opposite()].map(|side| (side, state.edge.leaving(of, side).1));
+        let rates = [side, side.opposite()].map(|side| (side, Edge::leaving(of, side).1));
         let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
         release = out.map(|(side, _)| (side, 0.0));
     } else {
@@ -348,7 +348,7 @@ fn revise_stick(
         if beyond > rounding && !is_known && (is_fresh || may_jump) {
             release = Some((side, beyond));
         } else if is_known || beyond >= 0.0 || (is_fresh && beyond >= -rounding) {
-            let (edge, sign) = state.edge.leaving(of, side);
+            let (edge, sign) = Edge::leaving(of, side);
             state.edge = edge;
             release = (sign < 0.0).then_some((side, 0.0));
         }
