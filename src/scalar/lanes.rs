@@ -122,24 +122,22 @@ impl Chunk {
         usize::from(INPUTS) + self.inputs()
     }
 
-    /// Coefficient K > 0 of the functions from that of their arguments and inputs, added to
-    /// `others`. Orders 1 to K − 1 come before. `CHOSEN`: see [`mul_add_in`]. `HAS_INPUTS`: false
+    /// Coefficient k > 0 of the functions from that of their arguments and inputs, added to
+    /// `others`. Orders 1 to k − 1 come before. `CHOSEN`: see [`mul_add_in`]. `HAS_INPUTS`: false
     /// for functions of the argument alone; their code is faster.
-    ///
-    /// The compiler knows the order: sums of run-time length, or a choice among sums, would cost as
-    /// much as the sums.
     #[inline(always)]
-    pub(crate) fn order<const K: usize, const CHOSEN: bool, const HAS_INPUTS: bool>(
+    pub(crate) fn order<const CHOSEN: bool, const HAS_INPUTS: bool>(
         &mut self,
+        k: usize,
         arguments: Lanes,
         others: Lanes,
     ) -> Lanes {
         let inputs = if HAS_INPUTS { self.inputs() } else { 0 };
         let first = usize::from(INPUTS) + inputs;
         let (rows, rests) = (&mut self.rows[..], &mut self.rests[..]);
-        rows[usize::from(ARGUMENT)][K] = arguments;
+        rows[usize::from(ARGUMENT)][k] = arguments;
         for input in usize::from(INPUTS)..first {
-            rests[input] = rows[input][K];
+            rests[input] = rows[input][k];
         }
         let notes = std::iter::zip(&self.operations, &self.factors);
         for (row, (operation, [f, alpha, beta, slope])) in (first..).zip(notes) {
@@ -148,14 +146,14 @@ impl Chunk {
             let rest = match operation.sum {
                 Sum::Nothing | Sum::Weight => linear,
                 Sum::Square(x) => {
-                    let sum = square::<K, CHOSEN>(&rows[usize::from(x)]);
+                    let sum = square::<CHOSEN>(k, &rows[usize::from(x)]);
                     mul_add::<CHOSEN>(*f, sum, linear)
                 }
                 Sum::Product(x, y, weight) => {
-                    let sum = product::<K, CHOSEN>(&rows[usize::from(x)], &rows[usize::from(y)]);
+                    let sum = product::<CHOSEN>(k, &rows[usize::from(x)], &rows[usize::from(y)]);
                     let weight = match weight {
                         Weight::One => 1.0,
-                        Weight::Integral => INVERSE[K],
+                        Weight::Integral => INVERSE[k],
                     };
                     // The factors first: the sum is ready last.
                     mul_add::<CHOSEN>(times([weight; LANES], *f), sum, linear)
@@ -163,14 +161,14 @@ impl Chunk {
             };
             rests[row] = rest;
             let newest = mul_add::<CHOSEN>(*slope, arguments, rest);
-            rows[row][K] = if operation.sum == Sum::Weight {
-                times([K as f64; LANES], newest)
+            rows[row][k] = if operation.sum == Sum::Weight {
+                times([k as f64; LANES], newest)
             } else {
                 newest
             };
         }
         let (row, scale) = self.output;
-        mul_add::<CHOSEN>(scale, rows[usize::from(row)][K], others)
+        mul_add::<CHOSEN>(scale, rows[usize::from(row)][k], others)
     }
 }
 
@@ -199,11 +197,40 @@ pub(crate) fn mul_add<const CHOSEN: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes
     ]
 }
 
+/// A sum with its order k as a constant: one of run-time length would cost twice as much. Where the
+/// compiler knows k, no choice is left.
+macro_rules! by_order {
+    ($k:ident, $sum:ident $rows:tt) => {
+        by_order!($k, $sum $rows, 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
+    };
+    ($k:ident, $sum:ident $rows:tt, $($order:literal)*) => {
+        match $k {
+            $($order => $sum::<$order, CHOSEN> $rows,)*
+            _ => {
+                debug_assert!($k < 2, "order {}", $k);
+                [0.0; LANES]
+            }
+        }
+    };
+}
+
+/// Σ x_i y_{k−i} for 0 < i < k.
+#[inline(always)]
+fn product<const CHOSEN: bool>(k: usize, x: &Row, y: &Row) -> Lanes {
+    by_order!(k, product_of(x, y))
+}
+
+/// Σ x_i x_{k−i} for 0 < i < k.
+#[inline(always)]
+fn square<const CHOSEN: bool>(k: usize, x: &Row) -> Lanes {
+    by_order!(k, square_of(x))
+}
+
 /// Σ x_i y_{K−i} for 0 < i < K.
 ///
 /// From the middle outward, so that the newest coefficients come last.
 #[inline(always)]
-fn product<const K: usize, const CHOSEN: bool>(x: &Row, y: &Row) -> Lanes {
+fn product_of<const K: usize, const CHOSEN: bool>(x: &Row, y: &Row) -> Lanes {
     let mut sums = [[0.0; LANES]; 2];
     let mut distance = K % 2;
     while distance + 1 < K {
@@ -219,7 +246,7 @@ fn product<const K: usize, const CHOSEN: bool>(x: &Row, y: &Row) -> Lanes {
 
 /// Σ x_i x_{K−i} for 0 < i < K.
 #[inline(always)]
-fn square<const K: usize, const CHOSEN: bool>(x: &Row) -> Lanes {
+fn square_of<const K: usize, const CHOSEN: bool>(x: &Row) -> Lanes {
     let mut sum = [0.0; LANES];
     let mut distance = 2 - K % 2;
     while distance + 1 < K {

@@ -430,121 +430,138 @@ const _: () = assert!(ALL == 26);
 impl GroupSeries {
     #[inline(always)]
     fn all_orders<const CHOSEN: bool, const EXTENDED: bool>(&mut self, fixed: &Fixed) {
-        let waves = fixed.waves;
-        let unowned = self.motions.len()..self.groups.len();
         macro_rules! each {
-            ($start:ident, $($order:literal)*) => {$(
-                let own = waves.places($start, $order - 1);
-                if EXTENDED {
-                    // Not a chain of ranges: its body would be compiled twice.
-                    for place in 0..own.len() + unowned.len() {
-                        let g = match place.checked_sub(own.len()) {
-                            None => own.start + place,
-                            Some(place) => unowned.start + place,
-                        };
-                        self.friction_order::<$order, CHOSEN, EXTENDED>(g);
-                    }
-                }
-                for g in own {
-                    if !EXTENDED {
-                        self.friction_order::<$order, CHOSEN, EXTENDED>(g);
-                    }
-                    self.motion_order::<$order, CHOSEN, EXTENDED>(&fixed.rows[g], g);
-                }
-                if EXTENDED {
-                    for (g, directions) in std::iter::zip(unowned.clone(), &fixed.directions) {
-                        self.slip_order::<$order, CHOSEN>(directions, g);
-                    }
-                }
-            )*};
+            ($start:ident, $($order:literal)*) => {
+                $(self.order::<CHOSEN, EXTENDED>(fixed, $start, $order);)*
+            };
         }
-        for start in waves.starts(ALL - 1) {
-            each!(start, 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25);
+        for start in fixed.waves.starts(ALL - 1) {
+            if CHOSEN && !EXTENDED {
+                // A tenth faster than a loop. The other cases gain 2 % at most.
+                each!(start, 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25);
+            } else {
+                for k in 1..ALL {
+                    self.order::<CHOSEN, EXTENDED>(fixed, start, k);
+                }
+            }
         }
     }
 
-    /// Order K > 0 of the laws of a group.
+    /// Order k > 0 of the groups that come next in a wave.
     #[inline(always)]
-    fn friction_order<const K: usize, const CHOSEN: bool, const EXTENDED: bool>(
+    fn order<const CHOSEN: bool, const EXTENDED: bool>(
         &mut self,
-        g: usize,
+        fixed: &Fixed,
+        start: usize,
+        k: usize,
     ) {
+        // Tells the compiler which coefficients there are.
+        let k = k.min(ALL - 1);
+        let own = fixed.waves.places(start, k - 1);
+        let unowned = self.motions.len()..self.groups.len();
+        if EXTENDED {
+            // Not a chain of ranges: its body would be compiled twice.
+            for place in 0..own.len() + unowned.len() {
+                let g = match place.checked_sub(own.len()) {
+                    None => own.start + place,
+                    Some(place) => unowned.start + place,
+                };
+                self.friction_order::<CHOSEN, EXTENDED>(k, g);
+            }
+        }
+        for g in own {
+            if !EXTENDED {
+                self.friction_order::<CHOSEN, EXTENDED>(k, g);
+            }
+            self.motion_order::<CHOSEN, EXTENDED>(k, &fixed.rows[g], g);
+        }
+        if EXTENDED {
+            for (g, directions) in std::iter::zip(unowned, &fixed.directions) {
+                self.slip_order::<CHOSEN>(k, directions, g);
+            }
+        }
+    }
+
+    /// Order k > 0 of the laws of a group.
+    #[inline(always)]
+    fn friction_order<const CHOSEN: bool, const EXTENDED: bool>(&mut self, k: usize, g: usize) {
         let group = &mut self.groups[g];
         let mut friction = [0.0; LANES];
         for chunk in &mut group.chunks[..group.used] {
             let mut is_relaxed = false;
             friction = loop {
-                let sum = chunk.order::<K, CHOSEN, EXTENDED>(group.speeds[K], friction);
-                if !EXTENDED || memory_order(chunk, K, &group.relaxation, &mut is_relaxed) {
+                let sum = chunk.order::<CHOSEN, EXTENDED>(k, group.speeds[k], friction);
+                if !EXTENDED || memory_order(chunk, k, &group.relaxation, &mut is_relaxed) {
                     break sum;
                 }
             };
         }
         if EXTENDED && group.is_elastic {
-            let rate = times(group.stiffness, group.speeds[K - 1]);
-            friction = mul_add::<CHOSEN>([INTEGRAL[K - 1]; LANES], rate, friction);
+            let rate = times(group.stiffness, group.speeds[k - 1]);
+            friction = mul_add::<CHOSEN>([INTEGRAL[k - 1]; LANES], rate, friction);
         }
-        group.friction[K] = friction;
+        group.friction[k] = friction;
     }
 
-    /// Order K of what accelerates a group of coordinates, and K + 1 of its velocities.
+    /// Order k of what accelerates a group of coordinates, and k + 1 of its velocities.
     #[inline(always)]
-    fn motion_order<const K: usize, const CHOSEN: bool, const EXTENDED: bool>(
+    fn motion_order<const CHOSEN: bool, const EXTENDED: bool>(
         &mut self,
+        k: usize,
         rows: &Rows,
         g: usize,
     ) {
         let own = &self.motions[g];
-        let mut springs = times(rows.diagonal[0], own[K]);
-        let mut dampers = times(rows.diagonal[1], own[K + 1]);
+        let mut springs = times(rows.diagonal[0], own[k]);
+        let mut dampers = times(rows.diagonal[1], own[k + 1]);
         for &(Slot { group, lane }, entries) in &rows.beside[0] {
-            let displacement = self.motions[group][K][lane];
+            let displacement = self.motions[group][k][lane];
             springs = mul_add::<CHOSEN>([displacement; LANES], entries, springs);
         }
         for &(Slot { group, lane }, entries) in &rows.beside[1] {
-            let velocity = self.motions[group][K + 1][lane];
+            let velocity = self.motions[group][k + 1][lane];
             dampers = mul_add::<CHOSEN>([velocity; LANES], entries, dampers);
         }
         if EXTENDED {
             for &(Slot { group, lane }, entries) in &rows.responses {
                 let of = &self.groups[group];
-                let force = of.side[lane] * of.load[lane] * of.friction[K][lane];
+                let force = of.side[lane] * of.load[lane] * of.friction[k][lane];
                 dampers = mul_add::<CHOSEN>([force; LANES], entries, dampers);
             }
         }
         // Number k of a displacement is k q_k.
-        let pull = mul_add::<CHOSEN>([INTEGRAL[K - 1]; LANES], springs, dampers);
+        let pull = mul_add::<CHOSEN>([INTEGRAL[k - 1]; LANES], springs, dampers);
         let group = &mut self.groups[g];
         let minus = [-1.0; LANES];
         let mut rate = times(minus, pull);
         if group.is_driven {
-            rate = plus(rate, group.given[K]);
+            rate = plus(rate, group.given[k]);
         }
-        group.carried[K] = rate;
-        let braked = times(minus, times(group.load, group.friction[K]));
+        group.carried[k] = rate;
+        let braked = times(minus, times(group.load, group.friction[k]));
         let speed = mul_add::<CHOSEN>(group.side, rate, braked);
-        let speed = times([INTEGRAL[K]; LANES], speed);
-        group.speeds[K + 1] = speed;
+        let speed = times([INTEGRAL[k]; LANES], speed);
+        group.speeds[k + 1] = speed;
         let mut velocity = times(group.side, speed);
         if group.is_driven {
-            velocity = plus(velocity, group.surface[K + 1]);
+            velocity = plus(velocity, group.surface[k + 1]);
         }
-        self.motions[g][K + 2] = velocity;
+        self.motions[g][k + 2] = velocity;
     }
 
-    /// Order K + 1 of the sliding speeds of a group of contacts without a coordinate of their own.
+    /// Order k + 1 of the sliding speeds of a group of contacts without a coordinate of their own.
     #[inline(always)]
-    fn slip_order<const K: usize, const CHOSEN: bool>(&mut self, directions: &Columns, g: usize) {
+    fn slip_order<const CHOSEN: bool>(&mut self, k: usize, directions: &Columns, g: usize) {
         let mut relative = [0.0; LANES];
         if self.groups[g].is_driven {
-            relative = times([-1.0; LANES], self.groups[g].surface[K + 1]);
+            relative = times([-1.0; LANES], self.groups[g].surface[k + 1]);
         }
         for &(Slot { group, lane }, entries) in directions {
-            let velocity = self.motions[group][K + 2][lane];
+            let velocity = self.motions[group][k + 2][lane];
             relative = mul_add::<CHOSEN>([velocity; LANES], entries, relative);
         }
         let group = &mut self.groups[g];
-        group.speeds[K + 1] = times(group.side, relative);
+        group.speeds[k + 1] = times(group.side, relative);
     }
 }
 
