@@ -313,8 +313,7 @@ impl Drive {
 
     /// Power series in the time since `start`, of the piece that begins there or contains it.
     pub(crate) fn series(&self, start: Clock) -> PowerSeries {
-        let mut series = PowerSeries::ZERO;
-        series[0] = self.constant;
+        let mut series = PowerSeries::of(self.constant);
         for harmonic in &self.harmonics {
             harmonic.add_series(start, &mut series);
         }

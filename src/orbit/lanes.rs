@@ -19,8 +19,11 @@ pub(super) type Row<const W: usize> = [Lanes<W>; LONG];
 /// velocities of all contacts and their loads.
 pub(super) type Rows<const W: usize> = [Row<W>];
 
-/// Number of coefficients: one more than the series of the motion have, which give it.
+/// Most coefficients: one more than the series of the motion have, which give it.
 pub(super) const LONG: usize = TERMS + 1;
+
+/// Fewest coefficients.
+const SHORT: usize = 6;
 
 /// Bound of the two terms before the last. The truncation error is about a tenth of it, because
 /// steps are about a third of the radius of convergence.
@@ -37,14 +40,18 @@ pub(super) struct Equations<'e> {
     linear: &'e Linear,
     /// Length of a state vector.
     order: usize,
+    /// Number of coefficients.
+    terms: usize,
 }
 
 impl<'e> Equations<'e> {
-    pub(super) fn new(form: &'e GeneralForm<'e>, linear: &'e Linear) -> Self {
+    /// With so many coefficients, or [`LONG`] or `SHORT` if they are more or fewer.
+    pub(super) fn new(form: &'e GeneralForm<'e>, linear: &'e Linear, terms: usize) -> Self {
         Self {
             model: &form.model,
             linear,
             order: form.order(),
+            terms: terms.clamp(SHORT, LONG),
         }
     }
 
@@ -83,31 +90,29 @@ impl<'e> Equations<'e> {
         let (q, rest) = states.split_at_mut(n);
         let (v, memories) = rest.split_at_mut(n);
         let (slips, loads) = derived.split_at_mut(contacts);
-        for k in 0..LONG - 1 {
+        // A constant range, so that the compiler knows which coefficients there are.
+        for k in (0..LONG - 1).take(self.terms - 1) {
             // −(k + 1) v_{k+1}
             for i in 0..n {
                 let mut sum = [0.0; W];
                 for (x, matrix) in [(&*q, &model.stiffness), (&*v, &model.damping)] {
                     let (diagonal, beside) = matrix.row(i);
                     add::<W, FUSED>(&mut sum, diagonal, &x[i][k]);
-                    add_all::<W, FUSED>(&mut sum, beside, x, k);
+                    sum = sum_of::<W, FUSED>(sum, beside, x, k);
                 }
                 v[i][k + 1] = sum;
             }
-            for (c, joint) in linear.contacts.iter().enumerate() {
-                let contact = &model.contacts[c];
-                let z = &mut memories[model.memory(c)];
-                let (slip, load) = (&mut slips[c], &mut loads[c]);
+            let derived = std::iter::zip(&mut *slips, &mut *loads);
+            let contacts = std::iter::zip(&linear.contacts, &model.contacts);
+            for ((joint, contact), (slip, load)) in std::iter::zip(contacts, derived) {
+                let z = &mut memories[joint.memory.clone()];
                 if joint.takes_slip {
-                    slip[k] = [0.0; W];
-                    add_all::<W, FUSED>(&mut slip[k], &contact.direction, v, k);
+                    slip[k] = sum_of::<W, FUSED>([0.0; W], &contact.direction, v, k);
                 }
-                let is_reacting = joint.is_closed && !contact.reaction.is_empty();
-                if is_reacting || joint.by_load.is_some() {
-                    load[k] = [0.0; W];
-                    add_all::<W, FUSED>(&mut load[k], &contact.load_gradient, q, k);
+                if joint.reacts || joint.by_load.is_some() {
+                    load[k] = sum_of::<W, FUSED>([0.0; W], &contact.load_gradient, q, k);
                 }
-                if joint.acts() {
+                if joint.acts {
                     let mut sum = [0.0; W];
                     convolve_all::<W, FUSED>(&mut sum, &joint.friction, (slip, z), k);
                     if let Some(by_load) = &joint.by_load {
@@ -117,7 +122,7 @@ impl<'e> Equations<'e> {
                         add::<W, FUSED>(&mut v[j][k + 1], x, &sum);
                     }
                 }
-                if is_reacting {
+                if joint.reacts {
                     for &(j, y) in &contact.reaction {
                         add::<W, FUSED>(&mut v[j][k + 1], y, &load[k]);
                     }
@@ -128,10 +133,8 @@ impl<'e> Equations<'e> {
                     z[j][k + 1] = times(&sum, INTEGRAL[k]);
                 }
             }
-            for (i, owner) in model.owner.iter().enumerate() {
-                if owner.is_some_and(|c| linear.contacts[c].is_stuck) {
-                    v[i][k + 1] = [0.0; W];
-                }
+            for &i in &linear.stuck {
+                v[i][k + 1] = [0.0; W];
             }
             if !linear.holding.contacts.is_empty() {
                 linear.holding.project(model, v, k + 1);
@@ -146,8 +149,9 @@ impl<'e> Equations<'e> {
     #[inline(always)]
     fn sum_by<const W: usize, const FUSED: bool>(&self, rows: &mut Rows<W>, time: f64) {
         for row in &mut rows[..self.order] {
-            let mut sum = row[LONG - 1];
-            for k in (0..LONG - 1).rev() {
+            let terms = self.terms.min(LONG);
+            let mut sum = row[terms - 1];
+            for k in (0..terms - 1).rev() {
                 let mut next = row[k];
                 add::<W, FUSED>(&mut next, time, &sum);
                 sum = next;
@@ -168,9 +172,25 @@ impl<'e> Equations<'e> {
         )
     }
 
+    /// The number of coefficients that suffice for the time that is left after these have reached
+    /// over a part of it.
+    ///
+    /// Terms fall like (t/ρ)^k, with ρ the distance of the nearest singularity. It may lie ahead,
+    /// and is then closer to the next part.
+    pub(super) fn terms_for(&self, left: f64, part: f64) -> usize {
+        let fallen = LAST_TERM.powf(1.0 / (self.terms - 2) as f64);
+        let ratio = left / part * fallen / (1.0 - fallen);
+        if ratio < 1.0 {
+            3 + (LAST_TERM.ln() / ratio.ln()).ceil() as usize
+        } else {
+            LONG
+        }
+    }
+
     #[inline(always)]
     fn reach_by<const W: usize>(&self, rows: &Rows<W>, h: f64) -> f64 {
-        const LAST: [usize; 2] = [TERMS - 1, TERMS - 2];
+        let terms = self.terms.clamp(SHORT, LONG);
+        let last = [terms - 2, terms - 3];
         let n = self.model.len();
         let units = (0..2 * n).map(|i| if i < n { 1.0 } else { h });
         let mut sizes = [0.0; W];
@@ -191,7 +211,7 @@ impl<'e> Equations<'e> {
                 };
                 let is_given = scale >= f64::MIN_POSITIVE;
                 let unit = if is_given { scale.recip() } else { 0.0 };
-                for (most, k) in std::iter::zip(&mut most, LAST) {
+                for (most, k) in std::iter::zip(&mut most, last) {
                     finite[lane] += 0.0 * row[k][lane];
                     most[lane] = f64::max(most[lane], unit * row[k][lane].abs());
                 }
@@ -200,7 +220,7 @@ impl<'e> Equations<'e> {
         if finite.iter().any(|finite| *finite != 0.0) {
             return f64::NAN;
         }
-        std::iter::zip(most, LAST).fold(h, |reached, (most, k)| {
+        std::iter::zip(most, last).fold(h, |reached, (most, k)| {
             let most = most.into_iter().fold(0.0, f64::max);
             reached.min(root_of_ratio(LAST_TERM, most, k))
         })
@@ -219,19 +239,18 @@ fn add<const W: usize, const FUSED: bool>(sum: &mut Lanes<W>, a: f64, x: &Lanes<
     }
 }
 
-/// Adds coefficient k of Σ_j a_j x_j.
+/// The sum of this and coefficient k of Σ_j a_j x_j.
 #[inline(always)]
-fn add_all<const W: usize, const FUSED: bool>(
-    sum: &mut Lanes<W>,
+fn sum_of<const W: usize, const FUSED: bool>(
+    mut sum: Lanes<W>,
     entries: &Entries,
     x: &Rows<W>,
     k: usize,
-) {
-    let mut total = *sum;
+) -> Lanes<W> {
     for &(j, a) in entries {
-        add::<W, FUSED>(&mut total, a, &x[j][k]);
+        add::<W, FUSED>(&mut sum, a, &x[j][k]);
     }
-    *sum = total;
+    sum
 }
 
 #[inline(always)]

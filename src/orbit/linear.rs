@@ -1,10 +1,11 @@
 //! The variational equations along one step: the derivatives of friction by the velocity and the
 //! memory of its contact, as power series in time.
 
+use std::ops::Range;
+
 use crate::friction::memory::object::Derivative;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::{Mode, Segment};
-use crate::scalar::jet::Tape;
 use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
@@ -18,6 +19,8 @@ use crate::structure::engine::model::Model;
 pub(super) struct Linear {
     /// The derivatives, by the number of the contact.
     pub(super) contacts: Vec<ContactDerivatives>,
+    /// The coordinates whose own contact sticks.
+    pub(super) stuck: Vec<usize>,
     pub(super) holding: Holding,
 }
 
@@ -71,11 +74,15 @@ impl From<PowerSeries> for Coefficient {
 /// The derivatives at one contact.
 #[derive(Debug, Clone)]
 pub(super) struct ContactDerivatives {
-    pub(super) is_stuck: bool,
-    /// True if its normal spring acts.
-    pub(super) is_closed: bool,
+    is_stuck: bool,
     /// True if anything depends on r.
     pub(super) takes_slip: bool,
+    /// True if its normal spring acts.
+    pub(super) reacts: bool,
+    /// True if the force changes with r or the memory, or with the load.
+    pub(super) acts: bool,
+    /// The places of its memory variables among those of all contacts.
+    pub(super) memory: Range<usize>,
     /// ∂(Nμ)/∂r, then ∂(Nμ)/∂z_j, multiplied by G_cc; none unless it slips.
     pub(super) friction: Vec<Coefficient>,
     /// μ multiplied by G_cc; none unless it slips under a load that follows displacements.
@@ -87,11 +94,6 @@ pub(super) struct ContactDerivatives {
 }
 
 impl ContactDerivatives {
-    /// Returns true if perturbations change the friction force.
-    pub(super) fn acts(&self) -> bool {
-        !self.friction.is_empty() || self.by_load.is_some()
-    }
-
     /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         let one = |of: &Coefficient| Coefficient::from(of.series.shifted(time));
@@ -101,6 +103,7 @@ impl ContactDerivatives {
             by_load: self.by_load.as_ref().map(one),
             rates: self.rates.iter().map(all).collect(),
             depends: self.depends.clone(),
+            memory: self.memory.clone(),
             ..*self
         }
     }
@@ -108,21 +111,23 @@ impl ContactDerivatives {
 
 impl Linear {
     /// The coefficients along a step of positive length.
-    pub(super) fn of(model: &Model<'_>, step: &Step, tape: &mut Tape) -> Self {
+    pub(super) fn of(model: &Model<'_>, step: &Step) -> Self {
         let contacts = model.contacts.iter().enumerate();
         let contacts = contacts.map(|(number, contact)| {
-            let variables = model.memory(number);
-            let variables = model.len() + variables.start..model.len() + variables.end;
+            let memory = model.memory(number);
+            let series = model.len() + memory.start..model.len() + memory.end;
             let along = ContactAlong {
                 contact,
                 step,
-                memories: step.series().get(variables).unwrap_or(&[]),
-                tape,
+                memories: step.series().get(series).unwrap_or(&[]),
             };
-            along.joint(step.modes()[number])
+            along.joint(step.modes()[number], memory)
         });
+        let contacts: Vec<_> = contacts.collect();
+        let sticks = |i: &usize| model.owner[*i].is_some_and(|c| contacts[c].is_stuck);
         Self {
-            contacts: contacts.collect(),
+            stuck: (0..model.len()).filter(sticks).collect(),
+            contacts,
             holding: model.holding(|c| step.modes()[c] == Mode::Stick),
         }
     }
@@ -135,6 +140,7 @@ impl Linear {
                 .iter()
                 .map(|joint| joint.shifted(time))
                 .collect(),
+            stuck: self.stuck.clone(),
             holding: self.holding.clone(),
         }
     }
@@ -145,16 +151,17 @@ struct ContactAlong<'a> {
     contact: &'a ContactData<'a>,
     step: &'a Step,
     memories: &'a [PowerSeries],
-    tape: &'a mut Tape,
 }
 
 impl ContactAlong<'_> {
-    fn joint(mut self, mode: Mode) -> ContactDerivatives {
-        let count = self.contact.memory();
+    fn joint(self, mode: Mode, memory: Range<usize>) -> ContactDerivatives {
+        let count = memory.len();
         let mut joint = ContactDerivatives {
             is_stuck: mode == Mode::Stick,
-            is_closed: mode != Mode::Open,
             takes_slip: false,
+            reacts: mode != Mode::Open && !self.contact.reaction.is_empty(),
+            acts: false,
+            memory,
             friction: Vec::new(),
             by_load: None,
             rates: vec![Vec::new(); count],
@@ -167,6 +174,7 @@ impl ContactAlong<'_> {
             Mode::Slip(side) => self.slip(&mut joint, side.sign()),
         }
         let is_given = |row: &Vec<Coefficient>| row.first().is_some_and(|first| first.terms > 0);
+        joint.acts = !joint.friction.is_empty() || joint.by_load.is_some();
         joint.takes_slip = is_given(&joint.friction) || joint.rates.iter().any(is_given);
         joint
     }
@@ -174,10 +182,7 @@ impl ContactAlong<'_> {
     /// δT' = k_t δr with the force δT in stick; in slip the force σμ n·δq, to which
     /// `TangentFlow::limit_elastic` sets δT.
     fn elastic(&self, joint: &mut ContactDerivatives, mode: Mode) {
-        let constant = |value: f64| {
-            let series = PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });
-            Coefficient::from(series)
-        };
+        let constant = |value: f64| Coefficient::from(PowerSeries::of(value));
         joint.is_stuck = false;
         match mode {
             Mode::Slip(side) => {
@@ -195,15 +200,12 @@ impl ContactAlong<'_> {
 
     /// The derivative by one input; the derivatives of the rates are stored.
     fn derivative(
-        &mut self,
+        &self,
         joint: &mut ContactDerivatives,
         motion: Motion<&PowerSeries>,
         by: Option<usize>,
     ) -> Derivative {
-        let derivative = self
-            .contact
-            .law
-            .derivative(motion, self.memories, by, self.tape);
+        let derivative = self.contact.law.derivative(motion, self.memories, by);
         if let Some(j) = by {
             joint.depends[j] |= derivative.depends;
         }
@@ -213,7 +215,7 @@ impl ContactAlong<'_> {
         derivative
     }
 
-    fn stick(&mut self, joint: &mut ContactDerivatives) {
+    fn stick(&self, joint: &mut ContactDerivatives) {
         for row in &mut joint.rates {
             row.push(PowerSeries::ZERO.into());
         }
@@ -222,7 +224,7 @@ impl ContactAlong<'_> {
         }
     }
 
-    fn slip(&mut self, joint: &mut ContactDerivatives, direction: f64) {
+    fn slip(&self, joint: &mut ContactDerivatives, direction: f64) {
         let (step, contact) = (self.step, self.contact);
         let velocities = step.series();
         if velocities.is_empty() {

@@ -22,7 +22,6 @@ use super::lanes::{Equations, LONG};
 use super::linear::Linear;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode, Segment};
-use crate::scalar::jet::Tape;
 use crate::state::structure::State;
 use crate::structure::Step;
 
@@ -45,7 +44,6 @@ pub(super) struct TangentFlow<'s> {
     /// True if a step of positive length has been taken.
     has_begun: bool,
     pub(super) start: State,
-    tape: Tape,
     work: Vec<f64>,
 }
 
@@ -68,7 +66,6 @@ impl<'s> TangentFlow<'s> {
             logarithm: None,
             has_begun: false,
             start: start.clone(),
-            tape: Tape::new(),
         })
     }
 
@@ -116,7 +113,7 @@ impl<'s> TangentFlow<'s> {
                 self.begin(step);
                 self.has_begun = true;
             }
-            let linear = &*linear.insert(Linear::of(&self.form.model, step, &mut self.tape));
+            let linear = &*linear.insert(Linear::of(&self.form.model, step));
             let of_memory = linear.contacts.iter().flat_map(|joint| &joint.depends);
             for (ever, now) in self.depends.iter_mut().zip(of_memory) {
                 *ever |= now;
@@ -187,7 +184,8 @@ fn advance<const W: usize>(
     let mut left = h;
     // At the start of a line of the cache: registers as long as a line are loaded at once from
     // there.
-    let length = Equations::new(form, &linear).rows() * LONG * W;
+    let mut terms = LONG;
+    let length = Equations::new(form, &linear, terms).rows() * LONG * W;
     work.resize(length + LINE, 0.0);
     let begin = work
         .as_ptr()
@@ -199,7 +197,7 @@ fn advance<const W: usize>(
         row[0] = std::array::from_fn(|lane| columns.get(lane).map_or(0.0, |column| column[i]));
     }
     loop {
-        let equations = Equations::new(form, &linear);
+        let equations = Equations::new(form, &linear, terms);
         equations.expand(rows);
         let part = equations.reach(rows, left);
         if part.is_nan() {
@@ -219,6 +217,7 @@ fn advance<const W: usize>(
             break;
         }
         left -= part;
+        terms = equations.terms_for(left, part);
         let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
         if part < SHORTEST * h {
             return Err(form.too_many(reached()));

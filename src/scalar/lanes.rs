@@ -201,7 +201,10 @@ pub(crate) fn mul_add<const CHOSEN: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes
 /// compiler knows k, no choice is left.
 macro_rules! by_order {
     ($k:ident, $sum:ident $rows:tt) => {
-        by_order!($k, $sum $rows, 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
+        by_order!(
+            $k, $sum $rows,
+            2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26
+        )
     };
     ($k:ident, $sum:ident $rows:tt, $($order:literal)*) => {
         match $k {

@@ -1,5 +1,5 @@
 //! The number types on which a friction law is evaluated: `f64`, two kinds of Taylor coefficients,
-//! and any of these with a derivative.
+//! whole power series, and any of these with a derivative.
 
 // | file | what is in it |
 // |---|---|
@@ -8,6 +8,7 @@
 // | `fused.rs` | with which instructions they are computed, where that is chosen at run time |
 // | `dual.rs` | any of the numbers with its derivative along one direction |
 // | `recorded.rs`, `lanes.rs` | notes of what a law does with a number, and the Taylor coefficients of four laws side by side by these notes: code that knows no law, for many masses |
+// | `../series/number.rs` | a whole power series as a number, where all inputs are known beforehand |
 // | `jet.rs`, `jet/operations.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
 pub(crate) mod dual;
@@ -29,7 +30,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// constant index into an array costs no bounds check.
 const INLINE_ROWS: usize = 8;
 
-mod sealed {
+pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
@@ -216,7 +217,7 @@ pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// 1/k, by which the recurrences of y' = f(y)·a' divide.
-const INVERSE: [f64; LONGEST] = {
+pub(crate) const INVERSE: [f64; LONGEST] = {
     let mut inverse = [0.0; LONGEST];
     let mut k = 1;
     while k < LONGEST {
@@ -228,7 +229,7 @@ const INVERSE: [f64; LONGEST] = {
 
 /// xⁿ by squaring: every step is an operation with a recurrence of its own.
 #[inline(always)]
-fn power_by_squaring<S: Scalar>(x: S, exponent: i32) -> S {
+pub(crate) fn power_by_squaring<S: Scalar>(x: S, exponent: i32) -> S {
     // Not the other way round: the recurrence of the reciprocal of a high power loses digits.
     let base = if exponent < 0 { x.recip() } else { x };
     let exponent = exponent.unsigned_abs();
@@ -247,7 +248,7 @@ fn power_by_squaring<S: Scalar>(x: S, exponent: i32) -> S {
 
 /// The exponent as an integer, if it is one for which xᵖ is a product.
 #[inline(always)]
-fn integral(exponent: f64) -> Option<i32> {
+pub(crate) fn integral(exponent: f64) -> Option<i32> {
     let is_integral = exponent.fract() == 0.0 && exponent.abs() <= f64::from(i32::MAX);
     is_integral.then_some(exponent as i32)
 }

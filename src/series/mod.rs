@@ -6,11 +6,13 @@
 // | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
 // | `event_distance.rs` | `EventDistance`: the first time at which a quantity reaches zero, apart from known roots at the start |
 // | `minima.rs` | where a series comes close to zero |
+// | `number.rs` | a series as a number on which laws are evaluated |
 // | `many.rs` | the values of two series at many times |
 
 mod event_distance;
 pub(crate) mod many;
 mod minima;
+mod number;
 mod roots;
 #[cfg(test)]
 mod roots_tests;
@@ -249,7 +251,12 @@ impl PowerSeries {
 
     /// The series of factor·c(t).
     pub(crate) fn scaled(&self, factor: f64) -> Self {
-        Self(self.0.map(|c| c * factor))
+        // Not by `map`, which is not compiled to vectors.
+        let mut scaled = Self::ZERO;
+        for (scaled, c) in std::iter::zip(&mut scaled.0, &self.0) {
+            *scaled = c * factor;
+        }
+        scaled
     }
 
     /// Adds factor·c(t).

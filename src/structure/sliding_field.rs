@@ -7,7 +7,6 @@ use super::engine::model::Model;
 use super::steady::{sliding_of, solve};
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::{Motion, Sliding, Slip};
-use crate::scalar::jet::Tape;
 use crate::series::{PowerSeries, TERMS};
 use crate::state::structure::State;
 
@@ -173,7 +172,7 @@ impl<'m, 's> SlidingField<'m, 's> {
 
     /// The terms of second and third order along a line: the coefficients of t² and t³ in F(x̄ + t
     /// u). Friction alone has such terms.
-    pub(crate) fn terms(&self, line: &DVector<f64>, tape: &mut Tape) -> [DVector<f64>; 2] {
+    pub(crate) fn terms(&self, line: &DVector<f64>) -> [DVector<f64>; 2] {
         let (model, n) = (self.model, self.model.len());
         let mut terms = [DVector::zeros(self.order()), DVector::zeros(self.order())];
         for (number, (contact, slides)) in
@@ -195,7 +194,7 @@ impl<'m, 's> SlidingField<'m, 's> {
             let inputs =
                 std::iter::once(along(None)).chain((0..memory.len()).map(|j| along(Some(j))));
             for (by, part) in inputs {
-                let found = contact.law.derivative(motion, &memory, by, tape);
+                let found = contact.law.derivative(motion, &memory, by);
                 coefficient = found.coefficient;
                 for (j, rate) in found.rates.iter().enumerate() {
                     // The rate changes along the line by its derivatives.

@@ -18,7 +18,6 @@ use crate::error::Error;
 use crate::numerics::eigenvalues::{balance, eigenvalues};
 use crate::numerics::trace::{Equations, Point};
 use crate::orbit::Oscillator;
-use crate::scalar::jet::Tape;
 use crate::structure::sliding_field::SlidingField;
 
 type Vector = DVector<Complex<f64>>;
@@ -181,15 +180,14 @@ impl Bordered {
     ///
     /// The vectors are scaled to |q| = 1 in the units of the system, and p·q = 1.
     fn first_lyapunov(&self, field: &SlidingField<'_, '_>, frequency: f64) -> [f64; 2] {
-        let mut tape = Tape::new();
         let [u, w] = &self.vectors;
         let length = w.map_with_location(|i, _, x| x * self.units[i]).norm();
         let q = w / Complex::from(length);
         let p = u / u.dotc(&q).conj();
         let [a, b] = [q.map(|x| x.re), q.map(|x| x.im)];
         // B(x, x) and C(x, x, x) for real x.
-        let mut forms = |x: &DVector<f64>| {
-            let [second, third] = field.terms(&x.component_mul(&self.units), &mut tape);
+        let forms = |x: &DVector<f64>| {
+            let [second, third] = field.terms(&x.component_mul(&self.units));
             [second * 2.0, third * 6.0].map(|form| form.component_div(&self.units))
         };
         let [[aa, aaa], [bb, bbb]] = [forms(&a), forms(&b)];
@@ -202,9 +200,9 @@ impl Bordered {
         let mean = complex(&aa + &bb, DVector::zeros(a.len()));
         let double = complex(aa - bb, ab * 2.0);
         // B(x, y) of complex vectors.
-        let mut product = |x: &Vector, y: &Vector| {
+        let product = |x: &Vector, y: &Vector| {
             let [x, y] = [x, y].map(|x| [x.map(|x| x.re), x.map(|x| x.im)]);
-            let mut real = |x: &DVector<f64>, y: &DVector<f64>| {
+            let real = |x: &DVector<f64>, y: &DVector<f64>| {
                 let [[plus, _], [minus, _]] = [forms(&(x + y)), forms(&(x - y))];
                 (plus - minus) * 0.25
             };

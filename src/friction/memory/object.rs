@@ -10,9 +10,9 @@ use super::sliding::Sliding;
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
 use crate::friction::law::{Law, LawRef};
 use crate::scalar::dual::{Dual, Tangent};
-use crate::scalar::jet::{Jet, Run, Tape};
+use crate::scalar::jet::{Jet, Tape};
 use crate::scalar::recorded::{Output, Recorder};
-use crate::series::{PowerSeries, TERMS};
+use crate::series::PowerSeries;
 
 /// Memory variables by their numbers.
 pub(crate) type Memory<'m> = &'m dyn Fn(usize) -> f64;
@@ -75,7 +75,6 @@ pub(crate) trait LawObject {
         motion: Motion<&PowerSeries>,
         memory: &[PowerSeries],
         by: Option<usize>,
-        tape: &mut Tape,
     ) -> Derivative;
 }
 
@@ -246,44 +245,42 @@ impl<L: ContactLaw> LawObject for L {
         motion: Motion<&PowerSeries>,
         memory: &[PowerSeries],
         by: Option<usize>,
-        tape: &mut Tape,
     ) -> Derivative {
         let mut found = Derivative {
             coefficient: PowerSeries::ZERO,
             slope: PowerSeries::ZERO,
-            rates: vec![PowerSeries::ZERO; memory.len()],
+            rates: Vec::new(),
             depends: false,
         };
-        for k in 0..TERMS {
-            tape.run(k, |run| {
-                let memory = duals::<L>(run, memory, k, by);
-                let rates = match motion {
-                    Motion::Slip(slip) => {
-                        let component = if by.is_none() { slip.direction } else { 0.0 };
-                        let slip = Slip {
-                            speed: Dual::along(run.variable(slip.speed[k]), component),
-                            direction: slip.direction,
-                            piece: slip.piece,
-                        };
-                        let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
-                        found.coefficient[k] = coefficient.value.coefficient();
-                        found.slope[k] = tangent(coefficient, k);
-                        rates
-                    }
-                    Motion::Stick => {
-                        let zero = Dual::along(run.input(0.0), 0.0);
-                        let limit = ContactLaw::limit(self, zero, memory);
-                        found.depends |= limit
-                            .is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
-                        ContactLaw::rates(self, Motion::Stick, memory)
-                    }
+        let memory = Variables::from_fn(|j| {
+            let component = if by == Some(j) { 1.0 } else { 0.0 };
+            Dual::along(memory[j], component)
+        });
+        let rates = match motion {
+            Motion::Slip(slip) => {
+                let component = if by.is_none() { slip.direction } else { 0.0 };
+                let slip = Slip {
+                    speed: Dual::along(*slip.speed, component),
+                    direction: slip.direction,
+                    piece: slip.piece,
                 };
-                for (series, rate) in std::iter::zip(&mut found.rates, rates.as_ref()) {
-                    series[k] = tangent(*rate, k);
-                }
-            });
-            found.depends |= found.slope[k] != 0.0 || found.rates.iter().any(|z| z[k] != 0.0);
-        }
+                let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
+                (found.coefficient, found.slope) = (coefficient.value, tangent(coefficient));
+                rates
+            }
+            Motion::Stick => {
+                let zero = Dual::along(PowerSeries::ZERO, 0.0);
+                let limit = ContactLaw::limit(self, zero, memory);
+                found.depends =
+                    limit.is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
+                ContactLaw::rates(self, Motion::Stick, memory)
+            }
+        };
+        found
+            .rates
+            .extend(rates.as_ref().iter().copied().map(tangent));
+        let varies = |series: &PowerSeries| series.first_nonzero().is_some();
+        found.depends |= varies(&found.slope) || found.rates.iter().any(varies);
         found
     }
 }
@@ -299,26 +296,10 @@ fn slope(number: Dual<f64>) -> f64 {
     }
 }
 
-/// The series of a memory as inputs of a law, with the tangent 1 for variable `by`.
-#[inline(always)]
-fn duals<'r, L: ContactLaw>(
-    run: &'r Run<'_>,
-    memory: &[PowerSeries],
-    k: usize,
-    by: Option<usize>,
-) -> L::Memory<Dual<Jet<'r>>> {
-    Variables::from_fn(|j| {
-        let component = if by == Some(j) { 1.0 } else { 0.0 };
-        Dual::along(run.input(memory[j][k]), component)
-    })
-}
-
-/// Coefficient k of a tangent.
-#[inline(always)]
-fn tangent(number: Dual<Jet<'_>>, k: usize) -> f64 {
+/// The series of a derivative.
+fn tangent(number: Dual<PowerSeries>) -> PowerSeries {
     match number.tangent {
-        Tangent::Varying(tangent) => tangent.coefficient(),
-        Tangent::Constant(c) if k == 0 => c,
-        Tangent::Constant(_) => 0.0,
+        Tangent::Varying(tangent) => tangent,
+        Tangent::Constant(value) => PowerSeries::of(value),
     }
 }

@@ -65,9 +65,7 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
         let (diagonal, beside) = model.inverse_mass.row(i);
         let own = &model.forces[i];
         coordinate.force = if own.is_constant() {
-            let mut constant = PowerSeries::ZERO;
-            constant[0] = own.value(0.0) * diagonal;
-            constant
+            PowerSeries::of(own.value(0.0) * diagonal)
         } else {
             own.series(clock).scaled(diagonal)
         };

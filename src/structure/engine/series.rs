@@ -203,11 +203,7 @@ impl CoordinateSeries {
 
 impl Series {
     pub(super) fn new(model: &Model<'_>, time: f64) -> Self {
-        let constant = |value: f64| {
-            let mut series = PowerSeries::ZERO;
-            series[0] = value;
-            series
-        };
+        let constant = PowerSeries::of;
         let contacts = model.contacts.iter().map(|contact| {
             let load = constant(contact.load.value(time) * contact.compliance);
             let count = contact.memory();

@@ -155,9 +155,7 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
     let contact = &model.contacts[c];
     let drive = &contact.belt_velocity;
     series.contacts[c].surface = if drive.is_constant() {
-        let mut surface = PowerSeries::ZERO;
-        surface[0] = drive.value(0.0);
-        surface
+        PowerSeries::of(drive.value(0.0))
     } else {
         drive.series(situation.clock)
     };
