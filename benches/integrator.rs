@@ -72,7 +72,7 @@ impl FrictionLaw for Cubic {
     fn static_coefficient(&self) -> f64 {
         self.static_coefficient
     }
-    #[inline]
+    #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed.square() * self.k3 - self.k1) * speed + self.static_coefficient
     }

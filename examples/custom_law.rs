@@ -25,7 +25,7 @@ impl FrictionLaw for Logarithmic {
     fn static_coefficient(&self) -> f64 {
         self.static_coefficient
     }
-    #[inline]
+    #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         -(speed / self.cutoff + 1.0).ln() * self.rate + self.static_coefficient
     }

@@ -157,14 +157,14 @@ impl FrictionLaw for Raised {
     fn static_coefficient(&self) -> f64 {
         self.static_coefficient
     }
-    #[inline]
+    #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         self.law.kinetic(speed)
     }
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         FrictionLaw::breakpoints(&self.law)
     }
-    #[inline]
+    #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         self.law.kinetic_on(piece, speed)
     }
