@@ -3,7 +3,7 @@
 use super::{FrictionLaw, LawVisitor, Piece};
 use crate::clock::Time;
 use crate::error::Error;
-use crate::scalar::{Composed, Workspace, expand, fused, jet, mul_add};
+use crate::scalar::{Composed, Workspace, expand, fused, jet};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::Direction;
 
@@ -115,13 +115,7 @@ impl Expander {
         time: Time,
         known: Known<'_>,
     ) -> Result<(), Error> {
-        let mul_add = |a, b, c| {
-            if UNROLLED {
-                fused::mul_add(a, b, c)
-            } else {
-                mul_add(a, b, c)
-            }
-        };
+        let mul_add = fused::mul_add_in::<UNROLLED>;
         let sigma = from.direction.sign();
         let &Equation {
             stiffness,
@@ -150,40 +144,45 @@ impl Expander {
         // m_k = slope·s_k + scale·rest. The rest is put in last, because it is ready last: s_{k−1}
         // has to pass through the law first, which takes longer than computing s_k.
         let (mut decay, mut older) = (0.0, 0.0);
-        let next = |k: usize, s: f64, m: Composed| {
-            series[k] = s;
-            let weight = -INTEGRAL[k];
-            if k == 0 {
-                decay = mul_add(load, m.slope, damping);
-                friction[0] = m.rest;
-                older = s + belt;
-                if let Some(along) = along {
-                    return along[1];
+        // A closure may have the attribute as an argument only. Not inlined, it would call software
+        // for each multiply-add.
+        let next = std::convert::identity(
+            #[inline(always)]
+            |k: usize, s: f64, m: Composed| {
+                series[k] = s;
+                let weight = -INTEGRAL[k];
+                if k == 0 {
+                    decay = mul_add(load, m.slope, damping);
+                    friction[0] = m.rest;
+                    older = s + belt;
+                    if let Some(along) = along {
+                        return along[1];
+                    }
+                    let spring = stiffness * (sigma * from.displacement);
+                    let equation = -spring - pull - damping * (s + belt) - load * m.rest;
+                    return from.rate.map_or(equation, |rate| time.sign() * rate);
                 }
-                let spring = stiffness * (sigma * from.displacement);
-                let equation = -spring - pull - damping * (s + belt) - load * m.rest;
-                return from.rate.map_or(equation, |rate| time.sign() * rate);
-            }
-            friction[k] = mul_add(m.slope, s, m.scale * m.rest);
-            // x_1 = s_0 + σv_b
-            let mut spring = if k == 1 {
-                weight * (stiffness * older + drift)
-            } else {
-                weight * INTEGRAL[k - 1] * (stiffness * older)
-            };
-            match known {
-                Known::Nothing => {}
-                Known::Force(force) => spring = mul_add(-weight, force[k], spring),
-                Known::Speed(along) => return along[k + 1],
-            }
-            older = s;
-            let next = mul_add(weight * decay, s, spring);
-            let next = mul_add(weight * load * m.scale, m.rest, next);
-            if k + 1 == TERMS - 1 {
-                series[k + 1] = next;
-            }
-            next
-        };
+                friction[k] = mul_add(m.slope, s, m.scale * m.rest);
+                // x_1 = s_0 + σv_b
+                let mut spring = if k == 1 {
+                    weight * (stiffness * older + drift)
+                } else {
+                    weight * INTEGRAL[k - 1] * (stiffness * older)
+                };
+                match known {
+                    Known::Nothing => {}
+                    Known::Force(force) => spring = mul_add(-weight, force[k], spring),
+                    Known::Speed(along) => return along[k + 1],
+                }
+                older = s;
+                let next = mul_add(weight * decay, s, spring);
+                let next = mul_add(weight * load * m.scale, m.rest, next);
+                if k + 1 == TERMS - 1 {
+                    series[k + 1] = next;
+                }
+                next
+            },
+        );
         let (value, slope) = if UNROLLED {
             expand(piece, workspace, s0, next)
         } else {
