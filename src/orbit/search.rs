@@ -22,8 +22,8 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// The unit of work is an integration step, which takes a few microseconds per mass. An oscillation
 /// takes about ten steps, more if many contacts have events. Most searches also compute the
 /// derivative of the motion with respect to its start. For a few masses, a motion with its
-/// derivative takes two to three times as long as the motion alone. For 20 masses, it takes about
-/// nine times as long.
+/// derivative takes two to three and a half times as long as the motion alone. For 20 masses, it
+/// takes four to eight times as long.
 ///
 /// | search | work |
 /// |---|---|
