@@ -124,8 +124,8 @@ const HIGHEST: usize = 30;
 ///
 /// Mark `kinetic`, and every function that it calls, as `#[inline(always)]`; for a law of several
 /// pieces mark `kinetic_on`. Your law is then as fast as the crate's laws. Without the attribute,
-/// or with `#[inline]`, a step may take four times as long in a build for all x86-64 processors:
-/// code that is not inlined calls a function of the C library for each fused multiply-add.
+/// or with `#[inline]`, a step may take three times as long in a build for all x86-64 processors:
+/// code that is not inlined calls a library function for each fused multiply-add.
 ///
 /// # Piecewise laws
 ///
