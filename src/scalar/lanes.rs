@@ -4,6 +4,7 @@
 //! functions, one in each lane of a vector register, so that sums of products need no shuffling.
 
 use super::fused::mul_add_in;
+use super::products::by_order;
 use super::recorded::{ARGUMENT, INPUTS, Operation, Output, Recorder, Sum, Weight};
 use super::{INVERSE, LONGEST};
 
@@ -125,6 +126,8 @@ impl Chunk {
     /// Coefficient k > 0 of the functions from that of their arguments and inputs, added to
     /// `others`. Orders 1 to k − 1 come before. `CHOSEN`: see [`mul_add_in`]. `HAS_INPUTS`: false
     /// for functions of the argument alone; their code is faster.
+    ///
+    /// Sums have an order that the compiler knows: at run time they would cost twice as much.
     #[inline(always)]
     pub(crate) fn order<const CHOSEN: bool, const HAS_INPUTS: bool>(
         &mut self,
@@ -146,11 +149,12 @@ impl Chunk {
             let rest = match operation.sum {
                 Sum::Nothing | Sum::Weight => linear,
                 Sum::Square(x) => {
-                    let sum = square::<CHOSEN>(k, &rows[usize::from(x)]);
+                    let sum = by_order!([0.0; LANES], square::<CHOSEN>, k, &rows[usize::from(x)]);
                     mul_add::<CHOSEN>(*f, sum, linear)
                 }
                 Sum::Product(x, y, weight) => {
-                    let sum = product::<CHOSEN>(k, &rows[usize::from(x)], &rows[usize::from(y)]);
+                    let pair = (&rows[usize::from(x)], &rows[usize::from(y)]);
+                    let sum = by_order!([0.0; LANES], product::<CHOSEN>, k, pair);
                     let weight = match weight {
                         Weight::One => 1.0,
                         Weight::Integral => INVERSE[k],
@@ -197,47 +201,15 @@ pub(crate) fn mul_add<const CHOSEN: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes
     ]
 }
 
-/// A sum with its order k as a constant: one of run-time length would cost twice as much. Where the
-/// compiler knows k, no choice is left.
-macro_rules! by_order {
-    ($k:ident, $sum:ident $rows:tt) => {
-        by_order!(
-            $k, $sum $rows,
-            2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26
-        )
-    };
-    ($k:ident, $sum:ident $rows:tt, $($order:literal)*) => {
-        match $k {
-            $($order => $sum::<$order, CHOSEN> $rows,)*
-            _ => {
-                debug_assert!($k < 2, "order {}", $k);
-                [0.0; LANES]
-            }
-        }
-    };
-}
-
 /// Σ x_i y_{k−i} for 0 < i < k.
-#[inline(always)]
-fn product<const CHOSEN: bool>(k: usize, x: &Row, y: &Row) -> Lanes {
-    by_order!(k, product_of(x, y))
-}
-
-/// Σ x_i x_{k−i} for 0 < i < k.
-#[inline(always)]
-fn square<const CHOSEN: bool>(k: usize, x: &Row) -> Lanes {
-    by_order!(k, square_of(x))
-}
-
-/// Σ x_i y_{K−i} for 0 < i < K.
 ///
 /// From the middle outward, so that the newest coefficients come last.
 #[inline(always)]
-fn product_of<const K: usize, const CHOSEN: bool>(x: &Row, y: &Row) -> Lanes {
+fn product<const CHOSEN: bool>(k: usize, (x, y): (&Row, &Row)) -> Lanes {
     let mut sums = [[0.0; LANES]; 2];
-    let mut distance = K % 2;
-    while distance + 1 < K {
-        let (low, high) = ((K - distance) / 2, (K + distance) / 2);
+    let mut distance = k % 2;
+    while distance + 1 < k {
+        let (low, high) = ((k - distance) / 2, (k + distance) / 2);
         sums[0] = mul_add::<CHOSEN>(x[low], y[high], sums[0]);
         if distance > 0 {
             sums[1] = mul_add::<CHOSEN>(x[high], y[low], sums[1]);
@@ -247,18 +219,18 @@ fn product_of<const K: usize, const CHOSEN: bool>(x: &Row, y: &Row) -> Lanes {
     plus(sums[0], sums[1])
 }
 
-/// Σ x_i x_{K−i} for 0 < i < K.
+/// Σ x_i x_{k−i} for 0 < i < k.
 #[inline(always)]
-fn square_of<const K: usize, const CHOSEN: bool>(x: &Row) -> Lanes {
+fn square<const CHOSEN: bool>(k: usize, x: &Row) -> Lanes {
     let mut sum = [0.0; LANES];
-    let mut distance = 2 - K % 2;
-    while distance + 1 < K {
-        sum = mul_add::<CHOSEN>(x[(K - distance) / 2], x[(K + distance) / 2], sum);
+    let mut distance = 2 - k % 2;
+    while distance + 1 < k {
+        sum = mul_add::<CHOSEN>(x[(k - distance) / 2], x[(k + distance) / 2], sum);
         distance += 2;
     }
     let twice = plus(sum, sum);
-    if K.is_multiple_of(2) {
-        mul_add::<CHOSEN>(x[K / 2], x[K / 2], twice)
+    if k.is_multiple_of(2) {
+        mul_add::<CHOSEN>(x[k / 2], x[k / 2], twice)
     } else {
         twice
     }

@@ -12,36 +12,40 @@ use super::{LONGEST, mul_add};
 /// The coefficients that one operation has computed so far.
 pub(super) type Row = [Cell<f64>; LONGEST];
 
-/// `$sum` of an order that the compiler knows, for the orders of a motion's series; higher ones are
-/// asked for by derivatives only.
+/// `$sum(k, rows)`, with an order that the compiler knows for the orders of a motion's series; higher
+/// ones are asked for by derivatives only. A function, not a closure: see `fused.rs`.
 macro_rules! by_order {
-    ($k:expr, $sum:expr) => {
-        by_order!($k, $sum, 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
+    ($nothing:expr, $sum:path, $k:expr, $rows:expr) => {
+        by_order!(
+            $nothing, $sum, $k, $rows,
+            2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26
+        )
     };
-    ($k:expr, $sum:expr, $($order:literal)*) => {
+    ($nothing:expr, $sum:path, $k:expr, $rows:expr, $($order:literal)*) => {
         match $k {
-            0 | 1 => 0.0,
-            $($order => $sum($order),)*
-            k => $sum(k),
+            0 | 1 => $nothing,
+            $($order => $sum($order, $rows),)*
+            k => $sum(k, $rows),
         }
     };
 }
+pub(super) use by_order;
 
 /// Σ a_i·b_{k−i} for 0 < i < k.
 #[inline(never)]
 pub(super) fn inner_product(k: usize, a: &Row, b: &Row) -> f64 {
-    by_order!(k, |k| product(k, a, b))
+    by_order!(0.0, product, k, (a, b))
 }
 
 /// Σ a_i·a_{k−i} for 0 < i < k, at half the work of [`inner_product`].
 #[inline(never)]
 pub(super) fn inner_square(k: usize, a: &Row) -> f64 {
-    by_order!(k, |k| square(k, a))
+    by_order!(0.0, square, k, a)
 }
 
 /// The newest coefficients, of order k − 1, come last.
 #[inline(always)]
-fn product(k: usize, a: &Row, b: &Row) -> f64 {
+fn product(k: usize, (a, b): (&Row, &Row)) -> f64 {
     let (a, b) = (|i: usize| a[i].get(), |i: usize| b[i].get());
     if k == 2 {
         return a(1) * b(1);
