@@ -31,6 +31,14 @@ impl<S: Scalar> Dual<S> {
         }
     }
 
+    /// Its derivative, as a number that may vary.
+    pub(crate) fn derivative(self) -> S {
+        match self.tangent {
+            Constant(c) => self.value.constant(c),
+            Varying(t) => t,
+        }
+    }
+
     /// A function of this number, with its value and its slope. The slope is not computed where the
     /// tangent is 0 for certain.
     #[inline(always)]

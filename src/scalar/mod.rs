@@ -216,7 +216,7 @@ pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// 1/k, by which the recurrences of y' = f(y)·a' divide.
+/// 1/k, by which the recurrences of y' = f(y)·a' divide; 0 for k = 0.
 pub(crate) const INVERSE: [f64; LONGEST] = {
     let mut inverse = [0.0; LONGEST];
     let mut k = 1;

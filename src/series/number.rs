@@ -13,7 +13,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{PowerSeries, TERMS};
 use crate::scalar::lanes::{self, LANES, Lanes};
-use crate::scalar::{INVERSE, Scalar, fused, integral, power_by_squaring, sealed};
+use crate::scalar::{INVERSE, LONGEST, Scalar, fused, integral, power_by_squaring, sealed};
 
 /// Number of groups of four coefficients.
 const GROUPS: usize = TERMS.div_ceil(LANES);
@@ -77,10 +77,13 @@ fn product(a: &PowerSeries, b: &PowerSeries) -> PowerSeries {
 
 /// The solution of y_k = r_k + f_k Σ w_i y_{k−i} with 0 < i ≤ k; y_0 = r_0.
 #[inline(never)]
-fn solution(w: &PowerSeries, factors: &[f64; TERMS], right: &PowerSeries) -> PowerSeries {
+fn solution(w: &PowerSeries, factors: &[f64; LONGEST], right: &PowerSeries) -> PowerSeries {
     #[inline(always)]
-    fn by<const CHOSEN: bool>([w, factors, right]: [&[f64; TERMS]; 3], found: &mut PowerSeries) {
-        let shifted = Shifted::new(&PowerSeries(*w));
+    fn by<const CHOSEN: bool>(
+        (w, factors, right): (&PowerSeries, &[f64; LONGEST], &PowerSeries),
+        found: &mut PowerSeries,
+    ) {
+        let shifted = Shifted::new(w);
         let mut y = [0.0; ROUND];
         for first in (0..TERMS).step_by(LANES) {
             let older = sum::<CHOSEN>(&y, first, &shifted, first);
@@ -96,7 +99,7 @@ fn solution(w: &PowerSeries, factors: &[f64; TERMS], right: &PowerSeries) -> Pow
     }
     let mut found = PowerSeries::ZERO;
     fused::compute(
-        &[&w.0, factors, &right.0],
+        &(w, factors, right),
         &mut found,
         #[inline(always)]
         |given, found| by::<true>(*given, found),
@@ -104,17 +107,6 @@ fn solution(w: &PowerSeries, factors: &[f64; TERMS], right: &PowerSeries) -> Pow
     );
     found
 }
-
-/// The factors 1/k, and 0 for k = 0.
-const INVERSES: [f64; TERMS] = {
-    let mut inverses = [0.0; TERMS];
-    let mut k = 1;
-    while k < TERMS {
-        inverses[k] = INVERSE[k];
-        k += 1;
-    }
-    inverses
-};
 
 impl PowerSeries {
     /// The series of a constant.
@@ -132,7 +124,7 @@ impl PowerSeries {
     /// The solution of y' = rate·y, from its value at 0.
     fn growing(value: f64, rate: &Self) -> Self {
         let weights = Self::from_fn(|k| if k == 0 { 0.0 } else { rate[k - 1] });
-        solution(&weights, &INVERSES, &Self::of(value))
+        solution(&weights, &INVERSE, &Self::of(value))
     }
 
     /// The series whose derivative this is, of a function with a value at 0.
@@ -251,9 +243,7 @@ impl Neg for PowerSeries {
 impl Add for PowerSeries {
     type Output = Self;
     fn add(mut self, other: Self) -> Self {
-        for (c, other) in std::iter::zip(&mut self.0, other.0) {
-            *c += other;
-        }
+        PowerSeries::add(&mut self, 1.0, &other);
         self
     }
 }
@@ -261,9 +251,7 @@ impl Add for PowerSeries {
 impl Sub for PowerSeries {
     type Output = Self;
     fn sub(mut self, other: Self) -> Self {
-        for (c, other) in std::iter::zip(&mut self.0, other.0) {
-            *c -= other;
-        }
+        PowerSeries::add(&mut self, -1.0, &other);
         self
     }
 }
@@ -280,7 +268,7 @@ impl Div for PowerSeries {
     /// q·b = a.
     fn div(self, other: Self) -> Self {
         let inverse = other[0].recip();
-        solution(&other, &[-inverse; TERMS], &(self * inverse))
+        solution(&other, &[-inverse; LONGEST], &(self * inverse))
     }
 }
 

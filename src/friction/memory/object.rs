@@ -9,6 +9,7 @@ use std::fmt;
 use super::sliding::Sliding;
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
 use crate::friction::law::{Law, LawRef};
+use crate::scalar::Scalar;
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Tape};
 use crate::scalar::recorded::{Output, Recorder};
@@ -137,20 +138,21 @@ impl<L: ContactLaw> LawObject for L {
     }
 
     fn limit_slope(&self, memory: &[f64], by: usize) -> f64 {
-        let inputs = along::<L>(|j| memory[j], by);
+        let inputs = along::<L, _>(|j| memory[j], Some(by));
         let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs);
-        limit.map_or(f64::NAN, slope)
+        limit.map_or(f64::NAN, Dual::derivative)
     }
 
     fn memory_unit(&self, by: usize) -> f64 {
-        let inputs = along::<L>(|_| 0.0, by);
-        let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs).map_or(0.0, slope);
+        let inputs = along::<L, _>(|_| 0.0, Some(by));
+        let limit =
+            ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs).map_or(0.0, Dual::derivative);
         let slip = Slip {
             speed: Dual::along(0.0, 0.0),
             direction: 1.0,
             piece: 0,
         };
-        let coefficient = slope(ContactLaw::coefficient(self, slip, inputs));
+        let coefficient = ContactLaw::coefficient(self, slip, inputs).derivative();
         limit.abs().max(coefficient.abs()).recip()
     }
 
@@ -246,17 +248,9 @@ impl<L: ContactLaw> LawObject for L {
         memory: &[PowerSeries],
         by: Option<usize>,
     ) -> Derivative {
-        let mut found = Derivative {
-            coefficient: PowerSeries::ZERO,
-            slope: PowerSeries::ZERO,
-            rates: Vec::new(),
-            depends: false,
-        };
-        let memory = Variables::from_fn(|j| {
-            let component = if by == Some(j) { 1.0 } else { 0.0 };
-            Dual::along(memory[j], component)
-        });
-        let rates = match motion {
+        let memory = along::<L, _>(|j| memory[j], by);
+        let nothing = Dual::along(PowerSeries::ZERO, 0.0);
+        let (coefficient, limit_depends, rates) = match motion {
             Motion::Slip(slip) => {
                 let component = if by.is_none() { slip.direction } else { 0.0 };
                 let slip = Slip {
@@ -265,41 +259,36 @@ impl<L: ContactLaw> LawObject for L {
                     piece: slip.piece,
                 };
                 let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
-                (found.coefficient, found.slope) = (coefficient.value, tangent(coefficient));
-                rates
+                (coefficient, false, rates)
             }
             Motion::Stick => {
-                let zero = Dual::along(PowerSeries::ZERO, 0.0);
-                let limit = ContactLaw::limit(self, zero, memory);
-                found.depends =
+                let limit = ContactLaw::limit(self, nothing, memory);
+                let depends =
                     limit.is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
-                ContactLaw::rates(self, Motion::Stick, memory)
+                let rates = ContactLaw::rates(self, Motion::Stick, memory);
+                (nothing, depends, rates)
             }
         };
-        found
-            .rates
-            .extend(rates.as_ref().iter().copied().map(tangent));
+        let slope = coefficient.derivative();
+        let rates = rates.as_ref().iter().map(|rate| rate.derivative());
+        let rates: Vec<_> = rates.collect();
         let varies = |series: &PowerSeries| series.first_nonzero().is_some();
-        found.depends |= varies(&found.slope) || found.rates.iter().any(varies);
-        found
+        Derivative {
+            coefficient: coefficient.value,
+            depends: limit_depends || varies(&slope) || rates.iter().any(varies),
+            slope,
+            rates,
+        }
     }
 }
 
 /// A memory as the inputs of a law, with the tangent 1 for variable `by`.
-fn along<L: ContactLaw>(memory: impl Fn(usize) -> f64, by: usize) -> L::Memory<Dual<f64>> {
-    Variables::from_fn(|j| Dual::along(memory(j), if j == by { 1.0 } else { 0.0 }))
-}
-
-fn slope(number: Dual<f64>) -> f64 {
-    match number.tangent {
-        Tangent::Constant(slope) | Tangent::Varying(slope) => slope,
-    }
-}
-
-/// The series of a derivative.
-fn tangent(number: Dual<PowerSeries>) -> PowerSeries {
-    match number.tangent {
-        Tangent::Varying(tangent) => tangent,
-        Tangent::Constant(value) => PowerSeries::of(value),
-    }
+fn along<L: ContactLaw, S: Scalar>(
+    memory: impl Fn(usize) -> S,
+    by: Option<usize>,
+) -> L::Memory<Dual<S>> {
+    Variables::from_fn(|j| {
+        let component = if by == Some(j) { 1.0 } else { 0.0 };
+        Dual::along(memory(j), component)
+    })
 }

@@ -77,9 +77,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let of = &mut contacts[c];
     (of.speeds, of.friction, of.slope) = (found.speed, found.friction, found.slope);
     for series in &mut of.memories {
-        let memory = series[0];
-        *series = PowerSeries::ZERO;
-        series[0] = memory;
+        *series = PowerSeries::of(series[0]);
     }
     if given.is_some() {
         // Without springs, the time in which it changes is the unit of time.

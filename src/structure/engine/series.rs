@@ -267,8 +267,7 @@ impl ContactSeries {
     /// Keeps the memory constant.
     pub(super) fn hold_memory(&mut self, memory: &[f64]) {
         for (series, memory) in std::iter::zip(&mut self.memories, memory) {
-            *series = PowerSeries::ZERO;
-            series[0] = *memory;
+            *series = PowerSeries::of(*memory);
         }
     }
 }
