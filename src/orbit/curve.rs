@@ -139,7 +139,7 @@ impl Curve<'_> {
         let masses = form.model.inverse_mass.rows().map(|(own, _)| own);
         let springs = form.model.contacts.iter().flat_map(|contact| {
             let stiffness = contact.tangential_stiffness.unwrap_or(0.0);
-            std::iter::repeat_n(stiffness, contact.memory())
+            std::iter::repeat_n(stiffness, contact.memory.len())
         });
         self.mobilities = masses.chain(springs).map(f64::sqrt).collect();
         self.weights = DVector::from_element(self.unknowns(), 1.0);

@@ -153,7 +153,7 @@ impl<'s> GeneralForm<'s> {
     /// infinite if none does, and for the force of an elastic contact.
     pub(super) fn memory_units(&self) -> Vec<f64> {
         let units = self.model.contacts.iter().flat_map(|contact| {
-            (0..contact.memory()).map(|j| match contact.is_elastic() {
+            (0..contact.memory.len()).map(|j| match contact.is_elastic() {
                 true => f64::INFINITY,
                 false => contact.law.memory_unit(j),
             })
@@ -164,7 +164,7 @@ impl<'s> GeneralForm<'s> {
     /// True for each memory variable that its law resets when the contact sticks or slips.
     pub(super) fn are_reset(&self) -> Vec<bool> {
         let reset = self.model.contacts.iter().flat_map(|contact| {
-            let count = contact.memory();
+            let count = contact.memory.len();
             let mut reset = vec![false; count];
             for probe in [0.0, 1.0].into_iter().filter(|_| !contact.is_elastic()) {
                 let mut memory = vec![probe; count];

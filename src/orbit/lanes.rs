@@ -105,14 +105,14 @@ impl<'e> Equations<'e> {
             let derived = std::iter::zip(&mut *slips, &mut *loads);
             let contacts = std::iter::zip(&linear.contacts, &model.contacts);
             for ((joint, contact), (slip, load)) in std::iter::zip(contacts, derived) {
-                let z = &mut memories[joint.memory.clone()];
+                let z = &mut memories[contact.memory.clone()];
                 if joint.takes_slip {
                     slip[k] = sum_of::<W, FUSED>([0.0; W], &contact.direction, v, k);
                 }
                 if joint.reacts || joint.by_load.is_some() {
                     load[k] = sum_of::<W, FUSED>([0.0; W], &contact.load_gradient, q, k);
                 }
-                if joint.acts {
+                if joint.acts() {
                     let mut sum = [0.0; W];
                     convolve_all::<W, FUSED>(&mut sum, &joint.friction, (slip, z), k);
                     if let Some(by_load) = &joint.by_load {
@@ -149,10 +149,9 @@ impl<'e> Equations<'e> {
     #[inline(always)]
     fn sum_by<const W: usize, const FUSED: bool>(&self, rows: &mut Rows<W>, time: f64) {
         for row in &mut rows[..self.order] {
-            let terms = self.terms.min(LONG);
-            let mut sum = row[terms - 1];
-            for k in (0..terms - 1).rev() {
-                let mut next = row[k];
+            let mut sum = [0.0; W];
+            for coefficient in row[..self.terms].iter().rev() {
+                let mut next = *coefficient;
                 add::<W, FUSED>(&mut next, time, &sum);
                 sum = next;
             }
@@ -189,8 +188,7 @@ impl<'e> Equations<'e> {
 
     #[inline(always)]
     fn reach_by<const W: usize>(&self, rows: &Rows<W>, h: f64) -> f64 {
-        let terms = self.terms.clamp(SHORT, LONG);
-        let last = [terms - 2, terms - 3];
+        let last = [self.terms - 2, self.terms - 3];
         let n = self.model.len();
         let units = (0..2 * n).map(|i| if i < n { 1.0 } else { h });
         let mut sizes = [0.0; W];

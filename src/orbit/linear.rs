@@ -1,8 +1,6 @@
 //! The variational equations along one step: the derivatives of friction by the velocity and the
 //! memory of its contact, as power series in time.
 
-use std::ops::Range;
-
 use crate::friction::memory::object::Derivative;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::{Mode, Segment};
@@ -74,15 +72,10 @@ impl From<PowerSeries> for Coefficient {
 /// The derivatives at one contact.
 #[derive(Debug, Clone)]
 pub(super) struct ContactDerivatives {
-    is_stuck: bool,
     /// True if anything depends on r.
     pub(super) takes_slip: bool,
     /// True if its normal spring acts.
     pub(super) reacts: bool,
-    /// True if the force changes with r or the memory, or with the load.
-    pub(super) acts: bool,
-    /// The places of its memory variables among those of all contacts.
-    pub(super) memory: Range<usize>,
     /// ∂(Nμ)/∂r, then ∂(Nμ)/∂z_j, multiplied by G_cc; none unless it slips.
     pub(super) friction: Vec<Coefficient>,
     /// μ multiplied by G_cc; none unless it slips under a load that follows displacements.
@@ -94,6 +87,11 @@ pub(super) struct ContactDerivatives {
 }
 
 impl ContactDerivatives {
+    /// Returns true if perturbations change the friction force.
+    pub(super) fn acts(&self) -> bool {
+        !self.friction.is_empty() || self.by_load.is_some()
+    }
+
     /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         let one = |of: &Coefficient| Coefficient::from(of.series.shifted(time));
@@ -103,7 +101,6 @@ impl ContactDerivatives {
             by_load: self.by_load.as_ref().map(one),
             rates: self.rates.iter().map(all).collect(),
             depends: self.depends.clone(),
-            memory: self.memory.clone(),
             ..*self
         }
     }
@@ -114,21 +111,21 @@ impl Linear {
     pub(super) fn of(model: &Model<'_>, step: &Step) -> Self {
         let contacts = model.contacts.iter().enumerate();
         let contacts = contacts.map(|(number, contact)| {
-            let memory = model.memory(number);
-            let series = model.len() + memory.start..model.len() + memory.end;
+            let variables = &contact.memory;
+            let variables = model.len() + variables.start..model.len() + variables.end;
             let along = ContactAlong {
                 contact,
                 step,
-                memories: step.series().get(series).unwrap_or(&[]),
+                memories: step.series().get(variables).unwrap_or(&[]),
             };
-            along.joint(step.modes()[number], memory)
+            along.joint(step.modes()[number])
         });
-        let contacts: Vec<_> = contacts.collect();
-        let sticks = |i: &usize| model.owner[*i].is_some_and(|c| contacts[c].is_stuck);
+        let sticks = |c: usize| step.modes()[c] == Mode::Stick;
+        let is_held = |i: &usize| model.owner[*i].is_some_and(sticks);
         Self {
-            stuck: (0..model.len()).filter(sticks).collect(),
-            contacts,
-            holding: model.holding(|c| step.modes()[c] == Mode::Stick),
+            contacts: contacts.collect(),
+            stuck: (0..model.len()).filter(is_held).collect(),
+            holding: model.holding(sticks),
         }
     }
 
@@ -154,14 +151,11 @@ struct ContactAlong<'a> {
 }
 
 impl ContactAlong<'_> {
-    fn joint(self, mode: Mode, memory: Range<usize>) -> ContactDerivatives {
-        let count = memory.len();
+    fn joint(self, mode: Mode) -> ContactDerivatives {
+        let count = self.contact.memory.len();
         let mut joint = ContactDerivatives {
-            is_stuck: mode == Mode::Stick,
             takes_slip: false,
             reacts: mode != Mode::Open && !self.contact.reaction.is_empty(),
-            acts: false,
-            memory,
             friction: Vec::new(),
             by_load: None,
             rates: vec![Vec::new(); count],
@@ -174,7 +168,6 @@ impl ContactAlong<'_> {
             Mode::Slip(side) => self.slip(&mut joint, side.sign()),
         }
         let is_given = |row: &Vec<Coefficient>| row.first().is_some_and(|first| first.terms > 0);
-        joint.acts = !joint.friction.is_empty() || joint.by_load.is_some();
         joint.takes_slip = is_given(&joint.friction) || joint.rates.iter().any(is_given);
         joint
     }
@@ -183,7 +176,6 @@ impl ContactAlong<'_> {
     /// `TangentFlow::limit_elastic` sets δT.
     fn elastic(&self, joint: &mut ContactDerivatives, mode: Mode) {
         let constant = |value: f64| Coefficient::from(PowerSeries::of(value));
-        joint.is_stuck = false;
         match mode {
             Mode::Slip(side) => {
                 let coefficient = side.sign() * self.contact.constant_coefficient();

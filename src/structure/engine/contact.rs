@@ -1,10 +1,12 @@
 //! The constant data of a contact.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use crate::drive::Drive;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::state::Direction;
-use std::borrow::Cow;
 
 /// Entries of a vector by their coordinates, without zeros.
 pub(crate) type Entries = [(usize, f64)];
@@ -30,8 +32,8 @@ pub(crate) struct ContactData<'s> {
     /// G_cc; 1 for an elastic contact, whose forces are not divided by a mass.
     pub(crate) compliance: f64,
     pub(crate) site: Site,
-    /// Index of its first variable among those of all contacts.
-    pub(super) first_memory: usize,
+    /// The places of its memory variables among those of all contacts.
+    pub(crate) memory: Range<usize>,
 }
 
 /// The coordinates on which a contact acts.
@@ -72,7 +74,7 @@ impl<'s> ContactData<'s> {
             breakpoints: law.breakpoints(),
             compliance: 1.0,
             site: Site::Own(0),
-            first_memory: 0,
+            memory: 0..0,
         }
     }
 
@@ -134,7 +136,7 @@ impl<'s> ContactData<'s> {
     }
 
     /// Number of memory variables: those of its law, or the force of an elastic contact.
-    pub(crate) fn memory(&self) -> usize {
+    pub(super) fn remembered(&self) -> usize {
         match self.tangential_stiffness {
             Some(_) => 1,
             None => self.law.memory(),

@@ -150,8 +150,9 @@ impl<'s> Model<'s> {
         let n = self.len();
         let mut uses = vec![0; n];
         for contact in &mut self.contacts {
-            contact.first_memory = self.remembered;
-            self.remembered += contact.memory();
+            let first = self.remembered;
+            self.remembered += contact.remembered();
+            contact.memory = first..self.remembered;
             for &(j, _) in contact.direction.iter() {
                 uses[j] += usize::from(!contact.is_elastic());
             }
@@ -330,8 +331,7 @@ impl<'s> Model<'s> {
 
     /// The memory variables of a contact among those of all.
     pub(crate) fn memory(&self, contact: usize) -> Range<usize> {
-        let contact = &self.contacts[contact];
-        contact.first_memory..contact.first_memory + contact.memory()
+        self.contacts[contact].memory.clone()
     }
 
     /// All functions of time that act on it.

@@ -206,7 +206,7 @@ impl Series {
         let constant = PowerSeries::of;
         let contacts = model.contacts.iter().map(|contact| {
             let load = constant(contact.load.value(time) * contact.compliance);
-            let count = contact.memory();
+            let count = contact.memory.len();
             ContactSeries {
                 mode: StepMode::Open,
                 side: 1.0,
