@@ -12,8 +12,8 @@ use super::{LONGEST, mul_add};
 /// The coefficients that one operation has computed so far.
 pub(super) type Row = [Cell<f64>; LONGEST];
 
-/// `$sum(k, rows)`, with an order that the compiler knows for the orders of a motion's series; higher
-/// ones are asked for by derivatives only. A function, not a closure: see `fused.rs`.
+/// `$sum(k, rows)`, with an order that the compiler knows for the orders of a motion's series;
+/// higher ones are asked for by derivatives only. A function, not a closure: see `fused.rs`.
 macro_rules! by_order {
     ($nothing:expr, $sum:path, $k:expr, $rows:expr) => {
         by_order!(
