@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::oscillator::Oscillator;
+use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::trial::TrialMotion;
@@ -251,7 +251,7 @@ impl<S: System> Clone for Branch<S> {
 impl<S: Oscillator> BranchPoint<S> {
     /// The motion of a trial, with the parameter at which it was found.
     pub(super) fn of(
-        family: impl Fn(f64) -> Result<S, Error>,
+        family: &Systems<'_, S>,
         parameter: f64,
         trial: TrialMotion,
         kind: Period,

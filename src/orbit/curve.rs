@@ -14,7 +14,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::branch::BranchEnd;
 use super::form::GeneralForm;
 use super::map::{self, CLOSED, PeriodMap, state, vector};
-use super::oscillator::Oscillator;
+use super::oscillator::{Family, FamilyMember};
 use super::passage::{is_inside, passage};
 use super::period::Period;
 use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
@@ -27,20 +27,6 @@ use crate::motion::{Mode, Segment};
 use crate::numerics::least_norm::least_norm_by_rows;
 use crate::numerics::trace::{Plane, is_in_or_near};
 use crate::state::structure::State;
-
-/// One system of a family.
-pub(super) trait FamilyMember {
-    /// The system without the type of its laws.
-    fn form(&self) -> GeneralForm<'_>;
-}
-
-impl<S: Oscillator> FamilyMember for S {
-    fn form(&self) -> GeneralForm<'_> {
-        Oscillator::form(self)
-    }
-}
-
-pub(super) type Family<'f> = dyn Fn(f64) -> Result<Box<dyn FamilyMember + 'f>, Error> + 'f;
 
 /// The equations of the periodic motions of a family.
 pub(super) struct Curve<'f> {

@@ -6,8 +6,8 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, FamilyMember, Solved, sharpest};
-use super::oscillator::Oscillator;
+use super::curve::{Curve, Solved, sharpest};
+use super::oscillator::{Member, Oscillator, Systems};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::search::Search;
@@ -133,20 +133,18 @@ impl Search<'_> {
         let found = self.over(&family, from.kind(), range.clone(), |curve| {
             search(curve, parameter, start)
         })?;
-        branch(family, from.kind(), range, found)
+        branch(&family, from.kind(), range, found)
     }
 
     /// Uses the curve of the periodic motions of a family.
     pub(super) fn over<S: Oscillator, T>(
         &self,
-        family: impl Fn(f64) -> Result<S, Error>,
+        family: &Systems<'_, S>,
         kind: Period,
         range: Range<f64>,
         using: impl FnOnce(Curve<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let members = |parameter: f64| -> Result<Box<dyn FamilyMember + '_>, Error> {
-            Ok(Box::new(family(parameter)?))
-        };
+        let members = |parameter: f64| -> Member<'_> { Ok(Box::new(family(parameter)?)) };
         let watched = self.watch("parameter");
         using(Curve {
             family: &members,
@@ -167,7 +165,7 @@ impl Search<'_> {
 
 /// The branch with its motions.
 fn branch<S: Oscillator>(
-    family: impl Fn(f64) -> Result<S, Error>,
+    family: &Systems<'_, S>,
     kind: Period,
     range: Range<f64>,
     found: Results,

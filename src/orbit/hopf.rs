@@ -10,7 +10,7 @@ use super::branch::BranchPoint;
 use super::curve::Curve;
 use super::form::GeneralForm;
 use super::map::{state, vector};
-use super::oscillator::Oscillator;
+use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
 use super::search::Search;
 use super::spectrum::{ROUNDING, hopf_point, spectrum};
@@ -33,7 +33,7 @@ const DISPLACED: f64 = 0.1;
 
 /// The eigenvalues at a value of the parameter.
 fn spectrum_at<S: Oscillator>(
-    family: &impl Fn(f64) -> Result<S, Error>,
+    family: &Systems<'_, S>,
     parameter: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
     let of = "orbit::begin";
@@ -67,10 +67,7 @@ pub(super) struct SteadyAlong {
 
 /// The stability of steady sliding along a range, from its values at places and refined between
 /// them. Where there is no steady sliding, it is not stable.
-pub(super) fn steady_along<S: Oscillator>(
-    family: &impl Fn(f64) -> Result<S, Error>,
-    places: &[f64],
-) -> SteadyAlong {
+pub(super) fn steady_along<S: Oscillator>(family: &Systems<'_, S>, places: &[f64]) -> SteadyAlong {
     let mut along = SteadyAlong::default();
     let at = |parameter: f64| spectrum_at(family, parameter).ok();
     let mut add = |from: f64, to: f64, count: Option<usize>| {
@@ -229,7 +226,7 @@ impl Search<'_> {
         near: f64,
     ) -> Result<BranchPoint<S>, Error> {
         let unit = if near == 0.0 { 1.0 } else { near.abs() };
-        let (parameter, frequency) = hopf_point(|value| spectrum_at(&family, value), near, unit)?;
+        let (parameter, frequency) = hopf_point(&|value| spectrum_at(&family, value), near, unit)?;
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
         let form = system.form();
         let born = Born::of(&form, frequency).map_err(|error| error.at("parameter", parameter))?;
@@ -238,7 +235,7 @@ impl Search<'_> {
         let (parameter, trial) = self.over(&family, kind, range, |curve| {
             born.motion(&form, curve, parameter)
         })?;
-        BranchPoint::of(family, parameter, trial, kind)
+        BranchPoint::of(&family, parameter, trial, kind)
     }
 }
 

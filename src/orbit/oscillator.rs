@@ -36,6 +36,33 @@ pub trait Oscillator: System {
     fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget;
 }
 
+/// One system of a family, without its type.
+pub(crate) trait FamilyMember {
+    /// The system without the type of its laws.
+    fn form(&self) -> GeneralForm<'_>;
+}
+
+impl<S: Oscillator> FamilyMember for S {
+    fn form(&self) -> GeneralForm<'_> {
+        Oscillator::form(self)
+    }
+}
+
+pub(crate) type Member<'f> = Result<Box<dyn FamilyMember + 'f>, Error>;
+
+/// A family in one parameter. What works with it is compiled once, not for each function that a
+/// program gives.
+pub(super) type Family<'f> = dyn Fn(f64) -> Member<'f> + 'f;
+
+/// A family in two parameters.
+pub(crate) type FamilyOfTwo<'f> = dyn Fn(f64, f64) -> Member<'f> + 'f;
+
+/// A family in one parameter with the type of its systems.
+pub(super) type Systems<'f, S> = dyn Fn(f64) -> Result<S, Error> + 'f;
+
+/// The same in two parameters.
+pub(super) type SystemsOfTwo<'f, S> = dyn Fn(f64, f64) -> Result<S, Error> + 'f;
+
 impl Oscillator for Structure {
     fn general(state: &State) -> State {
         state.clone()

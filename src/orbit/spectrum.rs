@@ -33,7 +33,7 @@ pub(super) fn spectrum(form: &GeneralForm<'_>) -> Result<Vec<Complex<f64>>, Erro
 
 /// The Hopf point near a value of the parameter, with its frequency.
 pub(super) fn hopf_point(
-    spectrum_at: impl Fn(f64) -> Result<Vec<Complex<f64>>, Error>,
+    spectrum_at: &dyn Fn(f64) -> Result<Vec<Complex<f64>>, Error>,
     near: f64,
     unit: f64,
 ) -> Result<(f64, f64), Error> {

@@ -150,7 +150,7 @@ impl Search<'_> {
         let (parameter, trial) = self.over(&family, kind, from.range.clone(), |curve| {
             other_branch(curve, &start, (period, from.parameter), is_symmetric)
         })?;
-        BranchPoint::of(family, parameter, trial, kind)
+        BranchPoint::of(&family, parameter, trial, kind)
     }
 }
 

@@ -376,7 +376,7 @@ impl Walk<'_, '_> {
         }
         let extrapolated = at_zero(&mut known);
         let unit = curve.width();
-        let parameter = hopf_point(|value| curve.spectrum(value), extrapolated, unit)
+        let parameter = hopf_point(&|value| curve.spectrum(value), extrapolated, unit)
             .ok()
             .map(|(exact, _)| exact)
             .filter(|exact| (exact - extrapolated).abs() <= HOPF_ERROR * unit)

@@ -17,14 +17,14 @@ use nalgebra::{Complex, DMatrix, DVector};
 use crate::error::Error;
 use crate::numerics::eigenvalues::{balance, eigenvalues};
 use crate::numerics::trace::{Equations, Point};
-use crate::orbit::Oscillator;
+use crate::orbit::FamilyOfTwo;
 use crate::structure::sliding_field::SlidingField;
 
 type Vector = DVector<Complex<f64>>;
 
 /// The Hopf points of a family; the unknowns are the two parameters and the frequency.
-pub(super) struct HopfPoints<'f, S, F: Fn(f64, f64) -> Result<S, Error>> {
-    pub(super) family: &'f F,
+pub(super) struct HopfPoints<'f> {
+    pub(super) family: &'f FamilyOfTwo<'f>,
     pub(super) ranges: [Range<f64>; 2],
 }
 
@@ -53,7 +53,7 @@ const ROUNDING: f64 = 1e-12;
 
 const I: Complex<f64> = Complex::new(0.0, 1.0);
 
-impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> HopfPoints<'_, S, F> {
+impl HopfPoints<'_> {
     /// A property of the field near steady sliding.
     pub(super) fn field<T>(
         &self,
@@ -245,7 +245,7 @@ impl Bordered {
     }
 }
 
-impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> Equations for HopfPoints<'_, S, F> {
+impl Equations for HopfPoints<'_> {
     type Value = Bordered;
 
     fn parameters(&self) -> [usize; 2] {

@@ -10,7 +10,7 @@ use self::equations::{Bordered, HopfPoints};
 use crate::error::Error;
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
-use crate::orbit::{Criticality, LocusEnd, Oscillator, SpecialKind};
+use crate::orbit::{Criticality, LocusEnd, Member, Oscillator, SpecialKind};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
 #[derive(Debug, Clone, PartialEq)]
@@ -160,8 +160,9 @@ pub fn hopf_locus<S: Oscillator>(
     ranges: [Range<f64>; 2],
 ) -> Result<Vec<HopfLocus>, Error> {
     check_ranges("bifurcation::hopf_locus", &ranges)?;
+    let members = |first: f64, second: f64| -> Member<'_> { Ok(Box::new(family(first, second)?)) };
     let points = HopfPoints {
-        family: &family,
+        family: &members,
         ranges,
     };
     let mut search = GridSearch {
@@ -181,15 +182,15 @@ struct Curve {
     ends: [LocusEnd; 2],
 }
 
-struct GridSearch<'f, S, F: Fn(f64, f64) -> Result<S, Error>> {
-    points: HopfPoints<'f, S, F>,
+struct GridSearch<'f> {
+    points: HopfPoints<'f>,
     curves: Vec<Curve>,
 }
 
 /// A node of the grid: the number of unstable eigenvalues.
 type Node = Result<usize, Error>;
 
-impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> GridSearch<'_, S, F> {
+impl GridSearch<'_> {
     fn run(&mut self) -> Result<(), Error> {
         let value = |which: usize, i: usize| {
             let (range, part) = (&self.points.ranges[which], i as f64 / INTERVALS as f64);

@@ -4,13 +4,12 @@ use std::cell::Cell;
 
 use nalgebra::DVector;
 
-use super::super::curve::{Curve, FamilyMember, Solved};
+use super::super::curve::{Curve, Solved};
 use super::super::trial::TrialMotion;
 use super::change::touch;
 use super::events::EventCurve;
 use super::motions::Motions;
 use super::start::FrozenStart;
-use crate::error::Error;
 use crate::numerics::trace::{self, Equations, Plane};
 
 /// The parameter at which an arrival of a motion becomes tangential, after which a contact sticks,
@@ -20,8 +19,7 @@ pub(in crate::orbit) fn tangential_end(
     curve: &Curve<'_>,
     base: &Solved,
 ) -> Option<(f64, TrialMotion)> {
-    let members =
-        |first: f64, _: f64| -> Result<Box<dyn FamilyMember + '_>, Error> { (curve.family)(first) };
+    let members = |first: f64, _: f64| (curve.family)(first);
     let bounds = (curve.most, curve.watched);
     let size = [curve.n, curve.order];
     let motions = Motions::new(&members, curve.kind, [curve.width(), 1.0], size, bounds);

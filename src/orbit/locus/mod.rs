@@ -24,11 +24,10 @@ use self::motions::Motions;
 use self::smooth::{Smooth, SmoothCurve};
 use self::start::FrozenStart;
 use super::branch::{Bifurcation, BifurcationKind};
-use super::curve::FamilyMember;
 use super::form::GeneralForm;
 use super::hold::Touch;
 use super::map::vector;
-use super::oscillator::Oscillator;
+use super::oscillator::{Member, Oscillator, SystemsOfTwo};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::search::Search;
@@ -213,6 +212,16 @@ impl Search<'_> {
         second: f64,
         ranges: [Range<f64>; 2],
     ) -> Result<Locus<S>, Error> {
+        self.locus_of(&family, at, second, ranges)
+    }
+
+    fn locus_of<S: Oscillator>(
+        &self,
+        family: &SystemsOfTwo<'_, S>,
+        at: &Bifurcation<S>,
+        second: f64,
+        ranges: [Range<f64>; 2],
+    ) -> Result<Locus<S>, Error> {
         let of = "orbit::locus";
         check_ranges(of, &ranges)?;
         let inside = "inside its range";
@@ -221,9 +230,8 @@ impl Search<'_> {
             let is_inside = (range.start..=range.end).contains(&value);
             Error::check(of, name, value, is_inside, inside)?;
         }
-        let members = |first: f64, second: f64| -> Result<Box<dyn FamilyMember + '_>, Error> {
-            Ok(Box::new(family(first, second)?))
-        };
+        let members =
+            |first: f64, second: f64| -> Member<'_> { Ok(Box::new(family(first, second)?)) };
         let place = |error: Error| located(error, [at.parameter, second]);
         let system = family(at.parameter, second).map_err(place)?;
         let form = system.form();
@@ -264,7 +272,7 @@ impl Search<'_> {
                     ..FrozenStart::at_zero()
                 };
                 let (y, near) = curve.begin(&y, &begin)?;
-                return found(&family, at.orbit.kind(), change.kind, &curve, (&y, &near));
+                return found(family, at.orbit.kind(), change.kind, &curve, (&y, &near));
             }
         };
         let kind = match smooth {
@@ -281,7 +289,7 @@ impl Search<'_> {
         let parameters = [at.parameter, second];
         let multipliers = at.orbit.multipliers();
         let (y, near) = curve.begin(&start, period, parameters, multipliers)?;
-        found(&family, at.orbit.kind(), kind, &curve, (&y, &near))
+        found(family, at.orbit.kind(), kind, &curve, (&y, &near))
     }
 }
 
@@ -347,7 +355,7 @@ fn changing(
 
 /// The curve with its motions, from a guess.
 fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
-    family: &impl Fn(f64, f64) -> Result<S, Error>,
+    family: &SystemsOfTwo<'_, S>,
     period: Period,
     kind: LocusKind,
     curve: &E,

@@ -8,9 +8,9 @@ use std::cell::Cell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::curve::FamilyMember;
 use super::super::form::GeneralForm;
 use super::super::map::{PeriodMap, held_period_map, state};
+use super::super::oscillator::FamilyOfTwo;
 use super::super::passage::{StepsAndTouches, held_steps};
 use super::super::period::Period;
 use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
@@ -22,11 +22,9 @@ use crate::error::Error;
 use crate::motion::{EventKind, Segment};
 use crate::state::structure::State;
 
-pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn FamilyMember + 'f>, Error> + 'f;
-
 /// The motions of a family.
 pub(super) struct Motions<'f> {
-    pub(super) family: &'f Family<'f>,
+    pub(super) family: &'f FamilyOfTwo<'f>,
     pub(super) kind: Period,
     /// For symmetric motions that are closed by their half-period map: this map, and the forces
     /// that determine its centre.
@@ -60,7 +58,7 @@ const BESIDE: f64 = 0.1;
 
 impl<'f> Motions<'f> {
     pub(super) fn new(
-        family: &'f Family<'f>,
+        family: &'f FamilyOfTwo<'f>,
         kind: Period,
         widths: [f64; 2],
         [n, order]: [usize; 2],

@@ -11,7 +11,7 @@ use self::motions::{extent, is_on, is_one, is_same};
 use super::branch::{Branch, BranchEnd};
 use super::classify::{Attractor, AttractorKind, kind_of};
 use super::hopf::{Crossing, SteadyAlong, steady_along};
-use super::oscillator::Oscillator;
+use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
 use super::search::Search;
 use super::sweep::Sweep;
@@ -120,6 +120,14 @@ impl Search<'_> {
         family: impl Fn(f64) -> Result<S, Error>,
         range: Range<f64>,
     ) -> Result<VibrationRanges<S>, Error> {
+        self.ranges_of(&family, range)
+    }
+
+    fn ranges_of<S: Oscillator>(
+        &self,
+        family: &Systems<'_, S>,
+        range: Range<f64>,
+    ) -> Result<VibrationRanges<S>, Error> {
         let Range { start, end } = range;
         let of = "orbit::vibration_ranges";
         Error::check(of, "range.start", start, true, "start < end")?;
@@ -134,9 +142,9 @@ impl Search<'_> {
         };
         let first = family(start).map_err(|error| error.at("parameter", start))?;
         let rest = S::own(&State::at_rest(first.form().len()));
-        let sweep = search.sweep(&family, &places(SWEPT), &rest)?;
-        let steady = steady_along(&family, &places(INTERVALS));
-        let systems = systems(&family, &places(INTERVALS));
+        let sweep = search.sweep(family, &places(SWEPT), &rest)?;
+        let steady = steady_along(family, &places(INTERVALS));
+        let systems = systems(family, &places(INTERVALS));
         let mut branches: Vec<Branch<S>> = Vec::new();
         let swept = sweep.up.iter().chain(&sweep.down);
         let swept = swept.filter_map(|point| {
@@ -147,7 +155,7 @@ impl Search<'_> {
             if !branches
                 .iter()
                 .any(|branch| is_on(branch, parameter, orbit))
-                && let Ok(branch) = search.follow(&family, parameter, orbit, start..end)
+                && let Ok(branch) = search.follow(family, parameter, orbit, start..end)
                 && !branches.iter().any(|known| is_same(known, &branch))
             {
                 branches.push(branch);
@@ -157,7 +165,7 @@ impl Search<'_> {
             follow(parameter, orbit);
         }
         for crossing in steady.crossings.iter().filter(|at| at.frequency > 0.0) {
-            if let Ok(born) = search.begin(&family, crossing.parameter)
+            if let Ok(born) = search.begin(family, crossing.parameter)
                 && (start..=end).contains(&born.parameter)
             {
                 follow(born.parameter, &born.orbit);
@@ -170,10 +178,10 @@ impl Search<'_> {
             near: NEAR * (end - start),
         };
         for branch in &branches {
-            search.add_stretches(&family, branch, &known, &mut stretches);
+            search.add_stretches(family, branch, &known, &mut stretches);
         }
         let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S>>| {
-            search.different(&family, parameter, stretches)
+            search.different(family, parameter, stretches)
         };
         Ok(VibrationRanges {
             ranges: ranges(&stretches, &sweep, &systems, start..end, differ),
@@ -186,7 +194,7 @@ impl Search<'_> {
     /// Adds the parts of a branch on which its motions are attractors.
     fn add_stretches<'b, S: Oscillator>(
         &self,
-        family: &impl Fn(f64) -> Result<S, Error>,
+        family: &Systems<'_, S>,
         branch: &'b Branch<S>,
         known: &Known<'_>,
         stretches: &mut Vec<Stretch<'b, S>>,
@@ -261,7 +269,7 @@ impl Search<'_> {
     /// are two, and the one between is more like both ends.
     fn between<S: Oscillator>(
         &self,
-        family: &impl Fn(f64) -> Result<S, Error>,
+        family: &Systems<'_, S>,
         ends: &[(f64, &Orbit<S>)],
         parameter: f64,
     ) -> Option<AttractorKind> {
@@ -279,7 +287,7 @@ impl Search<'_> {
     /// that were found from different starts may overlap.
     fn different<S: Oscillator>(
         &self,
-        family: &impl Fn(f64) -> Result<S, Error>,
+        family: &Systems<'_, S>,
         parameter: f64,
         stretches: Vec<&Stretch<'_, S>>,
     ) -> Vec<AttractorKind> {
@@ -314,7 +322,7 @@ impl Search<'_> {
     /// shorter steps, until each motion lies near the last.
     fn motion_at<S: Oscillator>(
         &self,
-        family: &impl Fn(f64) -> Result<S, Error>,
+        family: &Systems<'_, S>,
         stretch: &Stretch<'_, S>,
         parameter: f64,
     ) -> Option<Orbit<S>> {
@@ -376,7 +384,7 @@ impl Known<'_> {
 }
 
 /// The ranges in which a family has systems, from its values at places and bisection between them.
-fn systems<S>(family: &impl Fn(f64) -> Result<S, Error>, places: &[f64]) -> Vec<Range<f64>> {
+fn systems<S>(family: &Systems<'_, S>, places: &[f64]) -> Vec<Range<f64>> {
     let mut found: Vec<Range<f64>> = Vec::new();
     let mut start = None;
     let known = places.iter().map(|&place| (place, family(place).is_ok()));
