@@ -7,7 +7,7 @@ use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 use super::curve::{Curve, Solved, sharpest};
-use super::oscillator::{Member, Oscillator, Systems};
+use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::search::Search;
@@ -144,10 +144,9 @@ impl Search<'_> {
         range: Range<f64>,
         using: impl FnOnce(Curve<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let members = |parameter: f64| -> Member<'_> { Ok(Box::new(family(parameter)?)) };
         let watched = self.watch("parameter");
         using(Curve {
-            family: &members,
+            family: &|parameter| member(family(parameter)),
             kind,
             range,
             n: 0,

@@ -237,7 +237,7 @@ pub use locus::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, Spec
 pub use locus::locus;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
-pub(crate) use oscillator::{FamilyOfTwo, Member};
+pub(crate) use oscillator::{FamilyOfTwo, member};
 pub use period::Period;
 pub use periodic_orbit::Orbit;
 pub use ranges::{Border, VibrationRange, VibrationRanges, vibration_ranges};

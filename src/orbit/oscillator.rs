@@ -48,7 +48,13 @@ impl<S: Oscillator> FamilyMember for S {
     }
 }
 
-pub(crate) type Member<'f> = Result<Box<dyn FamilyMember + 'f>, Error>;
+/// What a family has at a value of its parameters.
+type Member<'f> = Result<Box<dyn FamilyMember + 'f>, Error>;
+
+/// A system without its type.
+pub(crate) fn member<'f, S: Oscillator + 'f>(system: Result<S, Error>) -> Member<'f> {
+    Ok(Box::new(system?))
+}
 
 /// A family in one parameter. What works with it is compiled once, not for each function that a
 /// program gives.

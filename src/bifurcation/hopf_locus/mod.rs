@@ -10,7 +10,7 @@ use self::equations::{Bordered, HopfPoints};
 use crate::error::Error;
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
-use crate::orbit::{Criticality, LocusEnd, Member, Oscillator, SpecialKind};
+use crate::orbit::{Criticality, LocusEnd, Oscillator, SpecialKind, member};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
 #[derive(Debug, Clone, PartialEq)]
@@ -160,13 +160,11 @@ pub fn hopf_locus<S: Oscillator>(
     ranges: [Range<f64>; 2],
 ) -> Result<Vec<HopfLocus>, Error> {
     check_ranges("bifurcation::hopf_locus", &ranges)?;
-    let members = |first: f64, second: f64| -> Member<'_> { Ok(Box::new(family(first, second)?)) };
-    let points = HopfPoints {
-        family: &members,
-        ranges,
-    };
     let mut search = GridSearch {
-        points,
+        points: HopfPoints {
+            family: &|first, second| member(family(first, second)),
+            ranges,
+        },
         curves: Vec::new(),
     };
     search.run()?;

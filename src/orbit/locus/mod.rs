@@ -27,7 +27,7 @@ use super::branch::{Bifurcation, BifurcationKind};
 use super::form::GeneralForm;
 use super::hold::Touch;
 use super::map::vector;
-use super::oscillator::{Member, Oscillator, SystemsOfTwo};
+use super::oscillator::{Oscillator, SystemsOfTwo, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::search::Search;
@@ -230,8 +230,7 @@ impl Search<'_> {
             let is_inside = (range.start..=range.end).contains(&value);
             Error::check(of, name, value, is_inside, inside)?;
         }
-        let members =
-            |first: f64, second: f64| -> Member<'_> { Ok(Box::new(family(first, second)?)) };
+        let members = |first: f64, second: f64| member(family(first, second));
         let place = |error: Error| located(error, [at.parameter, second]);
         let system = family(at.parameter, second).map_err(place)?;
         let form = system.form();

@@ -437,8 +437,8 @@ impl GroupSeries {
         }
         for start in fixed.waves.starts(ALL - 1) {
             if CHOSEN && !EXTENDED {
-                // A tenth faster than a loop. The other cases gain 4 % at most, and are compiled for
-                // longer than these.
+                // A tenth faster than a loop. The other cases gain 4 % at most, and would be
+                // compiled for longer than these.
                 each!(start, 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25);
             } else {
                 for k in 1..ALL {
