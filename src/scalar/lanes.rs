@@ -20,9 +20,8 @@ pub(crate) type Row = [Lanes; LONGEST];
 /// Functions with the same operations.
 #[derive(Debug, Clone)]
 pub(crate) struct Chunk {
-    operations: Vec<Operation>,
-    /// f, α, β and the slope of each operation.
-    factors: Vec<[Lanes; 4]>,
+    /// Each with its f, α, β and slope.
+    operations: Vec<(Operation, [Lanes; 4])>,
     /// Those of 0, the argument, the further inputs, and the operations.
     rows: Vec<Row>,
     /// What each row's newest coefficient is beside slope·s_k.
@@ -37,7 +36,6 @@ impl Chunk {
     pub(crate) fn new() -> Self {
         Self {
             operations: Vec::new(),
-            factors: Vec::new(),
             rows: Vec::new(),
             rests: Vec::new(),
             output: (0, [0.0; LANES]),
@@ -53,10 +51,9 @@ impl Chunk {
             .extend(rates.map(|rate| (rate.row, [0.0; LANES])));
         let notes = recorder.notes();
         self.operations.clear();
+        let operations = notes.iter().map(|note| note.operation);
         self.operations
-            .extend(notes.iter().map(|note| note.operation));
-        self.factors.clear();
-        self.factors.resize(notes.len(), [[0.0; LANES]; 4]);
+            .extend(operations.map(|operation| (operation, [[0.0; LANES]; 4])));
         let rows = self.first() + notes.len();
         if self.rows.len() < rows {
             self.rows.resize(rows, [[0.0; LANES]; LONGEST]);
@@ -75,7 +72,7 @@ impl Chunk {
         let is_same = self.output.0 == output.row
             && has_rates
             && self.operations.len() == notes.len()
-            && std::iter::zip(&self.operations, notes).all(|(own, note)| *own == note.operation);
+            && std::iter::zip(&self.operations, notes).all(|(own, note)| own.0 == note.operation);
         if is_same {
             self.put(lane, recorder, output);
         }
@@ -83,7 +80,7 @@ impl Chunk {
     }
 
     fn put(&mut self, lane: usize, recorder: &mut Recorder, output: Output) {
-        for (own, note) in std::iter::zip(&mut self.factors, recorder.notes()) {
+        for ((_, own), note) in std::iter::zip(&mut self.operations, recorder.notes()) {
             let [f, alpha, beta] = note.factors;
             for (own, factor) in std::iter::zip(own, [f, alpha, beta, note.slope]) {
                 own[lane] = factor;
@@ -142,15 +139,18 @@ impl Chunk {
         for input in usize::from(INPUTS)..first {
             rests[input] = rows[input][k];
         }
-        let notes = std::iter::zip(&self.operations, &self.factors);
-        for (row, (operation, [f, alpha, beta, slope])) in (first..).zip(notes) {
-            let [a, b] = operation.rows.map(|row| rests[usize::from(row)]);
-            let linear = mul_add::<CHOSEN>(*alpha, a, times(*beta, b));
+        for (row, (operation, [f, alpha, beta, slope])) in (first..).zip(&self.operations) {
+            let [a, b] = operation.rows.map(usize::from);
             let rest = match operation.sum {
-                Sum::Nothing | Sum::Weight => linear,
+                Sum::Weight => {
+                    // Later orders need it; this order does not.
+                    rows[row][k] = times([k as f64; LANES], times(*alpha, rows[a][k]));
+                    continue;
+                }
+                Sum::Nothing => mul_add::<CHOSEN>(*alpha, rests[a], times(*beta, rests[b])),
                 Sum::Square(x) => {
                     let sum = by_order!([0.0; LANES], square::<CHOSEN>, k, &rows[usize::from(x)]);
-                    mul_add::<CHOSEN>(*f, sum, linear)
+                    mul_add::<CHOSEN>(*f, sum, times(*alpha, rests[a]))
                 }
                 Sum::Product(x, y, weight) => {
                     let pair = (&rows[usize::from(x)], &rows[usize::from(y)]);
@@ -159,17 +159,13 @@ impl Chunk {
                         Weight::One => 1.0,
                         Weight::Integral => INVERSE[k],
                     };
+                    let linear = mul_add::<CHOSEN>(*alpha, rests[a], times(*beta, rests[b]));
                     // The factors first: the sum is ready last.
                     mul_add::<CHOSEN>(times([weight; LANES], *f), sum, linear)
                 }
             };
             rests[row] = rest;
-            let newest = mul_add::<CHOSEN>(*slope, arguments, rest);
-            rows[row][k] = if operation.sum == Sum::Weight {
-                times([k as f64; LANES], newest)
-            } else {
-                newest
-            };
+            rows[row][k] = mul_add::<CHOSEN>(*slope, arguments, rest);
         }
         let (row, scale) = self.output;
         mul_add::<CHOSEN>(scale, rows[usize::from(row)][k], others)

@@ -26,9 +26,9 @@ pub(crate) enum Sum {
     Nothing,
     /// Σ x_i y_{k−i}, with a weight.
     Product(u16, u16, Weight),
-    /// Σ x_i x_{k−i}.
+    /// Σ x_i x_{k−i}; there is no b.
     Square(u16),
-    /// Nothing; the linear part is multiplied by k.
+    /// Nothing: the result is k·α a_k.
     Weight,
 }
 
