@@ -184,9 +184,8 @@ fn print(what: &str, count: usize, tally: &Tally) {
         Ok((system, start, duration)) => format!("{i}: {system:?} {start:?} for {duration:e}"),
         Err(error) => format!("{i}: {error}"),
     };
-    if let Worst(defect, i) = tally.defect
-        && defect != 0.0
-    {
+    let Worst(defect, i) = tally.defect;
+    if defect != 0.0 {
         let system = describe(i);
         println!("  worst energy defect {defect:.1} roundings, system {system}");
     }
