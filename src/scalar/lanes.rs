@@ -143,7 +143,7 @@ impl Chunk {
             let [a, b] = operation.rows.map(usize::from);
             let rest = match operation.sum {
                 Sum::Weight => {
-                    // Later orders need it; this order does not.
+                    // Only the sums of later orders read it, so it needs no rest.
                     rows[row][k] = times([k as f64; LANES], times(*alpha, rows[a][k]));
                     continue;
                 }

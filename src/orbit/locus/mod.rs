@@ -215,6 +215,7 @@ impl Search<'_> {
         self.locus_of(&family, at, second, ranges)
     }
 
+    /// The same, compiled once for all functions that give such systems.
     fn locus_of<S: Oscillator>(
         &self,
         family: &SystemsOfTwo<'_, S>,
