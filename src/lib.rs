@@ -173,7 +173,7 @@
 //!   does not read, equilibria, cycles and diagrams. `schema` lists the names.
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
 //!   on all cores, with the same results bit for bit.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 // docs.rs marks the items that a feature adds.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

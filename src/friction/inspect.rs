@@ -6,6 +6,7 @@ use super::along::{MOST_STRETCHES, Stretch};
 use super::fault::LawFault;
 use super::{FrictionLaw, Values, taylor_coefficients_on, validate};
 use crate::error::Error;
+use crate::numerics::sort::sort_by;
 use crate::series::{PowerSeries, TERMS};
 
 /// Checks a friction law over a range of sliding speeds, before motions with these speeds are
@@ -454,7 +455,7 @@ impl Inspection<'_> {
                 faults.push(*fault);
             }
         }
-        faults.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        sort_by(&mut faults, place);
         faults
     }
 }

@@ -9,6 +9,7 @@ use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::taylor_coefficients_on;
+use crate::numerics::sort::sort_by;
 use crate::numerics::with_slopes::{
     Kinks, Roots, Sample, eighths, outline_between, roots_between, turn,
 };
@@ -249,7 +250,7 @@ impl Kink {
             }
         });
         let mut kinks: Vec<Self> = kinks.filter(|kink| kink.jumps != [0.0; 2]).collect();
-        kinks.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+        sort_by(&mut kinks, |kink| kink.amplitude);
         kinks
     }
 

@@ -1,5 +1,6 @@
 //! All roots of a function that is known from values alone, isolated by Chebyshev interpolation.
 
+use super::sort::sort_by;
 use std::collections::VecDeque;
 
 use crate::error::Error;
@@ -60,7 +61,7 @@ pub(crate) fn isolate(
             made += 2;
         }
     }
-    nodes.sort_by(|(s, _), (t, _)| s.total_cmp(t));
+    sort_by(&mut nodes, |node| node.0);
     Ok(nodes.into_iter().map(|(_, node)| node).collect())
 }
 

@@ -13,6 +13,7 @@
 // | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
 // | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move; units in which a matrix is balanced |
 // | `least_norm.rs` | minimum-norm least-squares solutions of linear systems |
+// | `sort.rs` | sorting by a number, compiled once for all types |
 // | `trace` | curves in two parameters: Newton's method across a curve (`mod.rs`), pseudo-arclength steps along it (`along.rs`) |
 // | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 
@@ -23,6 +24,7 @@ pub(crate) mod eigenvalues;
 pub(crate) mod gauss;
 pub(crate) mod least_norm;
 pub(crate) mod scan;
+pub(crate) mod sort;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod trace;

@@ -8,6 +8,7 @@ use super::curve::{Curve, FINE, Solved};
 use super::map::CLOSED;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
+use crate::numerics::sort::sort_by;
 use crate::numerics::trace::Plane;
 
 /// A point of the curve, and its distance along the tangent of the last one.
@@ -320,7 +321,7 @@ impl LocalCurve<'_, '_> {
                 solved: place.solved,
             });
         }
-        found[first..].sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort_by(&mut found[first..], |change| change.distance);
         Ok(())
     }
 

@@ -262,7 +262,7 @@ pub(super) fn settled<S: Oscillator>(
             let Some(step) = flow.next().transpose()? else {
                 break;
             };
-            form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+            form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
             if step.duration().is_infinite() {
                 return Ok((at_rest(step.modes()), form.put_back(step.state(), start)));
             }
@@ -517,7 +517,7 @@ impl Recurrence {
                     break;
                 }
                 let mut state = back(&step.state_at(step.since_start(time)));
-                form.put_in_modes(&mut state, 0.0, |c| Some(step.modes()[c]));
+                form.put_in_modes(&mut state, 0.0, &|c| Some(step.modes()[c]));
                 keep(&mut self.strobes, time, state);
                 *number = n.saturating_add(1);
             }

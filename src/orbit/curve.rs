@@ -200,7 +200,7 @@ impl Curve<'_> {
     /// that slip their limit.
     fn start(&self, form: &GeneralForm<'_>, y: &DVector<f64>, modes: &[Mode]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        form.put_in_modes(&mut start, 0.0, |c| modes.get(c).copied());
+        form.put_in_modes(&mut start, 0.0, &|c| modes.get(c).copied());
         self.anchor(&mut start);
         start
     }

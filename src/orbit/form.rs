@@ -75,7 +75,7 @@ impl<'s> GeneralForm<'s> {
     }
 
     /// Counts a step, or a part of one, before it is taken from a state.
-    pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
+    pub(super) fn count(&self, reached: &dyn Fn() -> Reached) -> Result<(), Error> {
         let taken = self.taken.get();
         if taken >= self.until.get() {
             return Err(self.too_many(reached()));
@@ -202,10 +202,10 @@ impl<'s> GeneralForm<'s> {
         &self,
         state: &mut State,
         time: f64,
-        mode: impl Fn(usize) -> Option<Mode>,
+        mode: &dyn Fn(usize) -> Option<Mode>,
     ) {
         let rests = |c: usize| mode(c) == Some(Mode::Stick);
-        self.model.put_at_rest(&mut state.velocities, time, rests);
+        self.model.put_at_rest(&mut state.velocities, time, &rests);
         for (c, contact) in self.model.contacts.iter().enumerate() {
             let place = self.model.memory(c).start;
             if self.holds(c) {

@@ -199,7 +199,7 @@ impl<'s> HeldFlow<'s> {
                 step.modes()[c]
             }
         };
-        self.form.put_in_modes(&mut state, time, |c| Some(mode(c)));
+        self.form.put_in_modes(&mut state, time, &|c| Some(mode(c)));
         if let Some(hold) = sticks {
             self.put_on_limit(&mut state, time, hold);
         }

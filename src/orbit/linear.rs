@@ -125,7 +125,7 @@ impl Linear {
         Self {
             contacts: contacts.collect(),
             stuck: (0..model.len()).filter(is_held).collect(),
-            holding: model.holding(sticks),
+            holding: model.holding(&sticks),
         }
     }
 

@@ -658,7 +658,7 @@ pub(super) fn begun_apart(
         return Ok(None);
     };
     let mut state = step.state_at(step.since_start(time));
-    form.put_in_modes(&mut state, time, |c| Some(step.modes()[c]));
+    form.put_in_modes(&mut state, time, &|c| Some(step.modes()[c]));
     let holds = map.holds_later(time, period);
     held_period_map(form, (time, &state), period, &holds).map(Some)
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::numerics::eigenvalues::{eigenvalues, reflected};
+use crate::numerics::sort::sort_by;
 
 /// The multipliers by falling modulus, without the 1 that belongs to each vector of `shifts`;
 /// `None` if they do not converge.
@@ -44,10 +45,8 @@ pub(super) fn multipliers(
     }
     let count = order.saturating_sub(shifts.len());
     let mut values = eigenvalues(scaled)?;
-    values.sort_by(|a, b| {
-        let by_modulus = b.norm_sqr().total_cmp(&a.norm_sqr());
-        by_modulus.then(b.im.total_cmp(&a.im))
-    });
+    sort_by(&mut values, |value| -value.im);
+    sort_by(&mut values, |value| -value.norm_sqr());
     values.resize(count, Complex::new(0.0, 0.0));
     Some(values)
 }

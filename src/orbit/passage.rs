@@ -17,7 +17,7 @@ pub(super) fn reach(
     let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
     while let Some(step) = flow.next() {
         let step = step?;
-        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+        form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
         let is_last = step.end_time() >= duration;
         if is_last || reached.is_none() {
             let step = if step.end_time() > duration {
@@ -51,7 +51,7 @@ pub(super) fn held_steps(
     let mut flow = HeldFlow::new(form, settings, time, start, holds)?;
     while let Some(step) = flow.next() {
         let step = step?;
-        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+        form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
         if step.end_time() >= end_time {
             steps.push(step.until(end_time));
             return Ok((steps, flow.touches));
@@ -82,7 +82,7 @@ pub(super) fn passage(
     let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
     for step in Flow::new(settings, form.model.clone(), start)? {
         let step = step?;
-        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+        form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
         if step.end_time() >= duration {
             return Ok((step.until(duration).end_state(), events));
         }

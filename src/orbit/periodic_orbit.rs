@@ -14,6 +14,7 @@ use super::symmetry::HalfMap;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{Event, Segment, System, SystemState, Trajectory};
+use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
@@ -107,7 +108,7 @@ impl Properties {
             ..event.clone()
         });
         let mut events: Vec<_> = events.collect();
-        events.sort_by(|a, b| a.time.total_cmp(&b.time));
+        sort_by(&mut events, |event| event.time);
         Ok(Self {
             events,
             multipliers,

@@ -3,6 +3,7 @@
 use super::branch::BifurcationKind;
 use super::map::PeriodMap;
 use crate::motion::{Event, EventKind, Mode};
+use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
 
 /// An event: contact, kind, and the mode of the contact afterwards.
@@ -63,7 +64,7 @@ impl Sequence {
         let mut first = 0;
         for i in 1..=count {
             if i == count || events[i].0 - events[i - 1].0 > TOGETHER * period {
-                events[first..i].sort_by_key(|event| event.1.0);
+                sort_by(&mut events[first..i], |event| event.1.0 as f64);
                 first = i;
             }
         }

@@ -120,7 +120,7 @@ impl<'s> Problem<'s> {
         let (modes, before) = (map.end_modes(), &map.start.velocities);
         let keeps = |c: usize| part == 1.0 || self.form.is_at_rest(c, before, 0.0);
         self.form
-            .put_in_modes(&mut changed, 0.0, |c| match modes[c] {
+            .put_in_modes(&mut changed, 0.0, &|c| match modes[c] {
                 Mode::Stick if self.form.holds(c) && !keeps(c) => None,
                 mode => Some(mode),
             });
@@ -323,7 +323,7 @@ pub(super) fn search(
     check_sizes(&form.model, guess)?;
     let mut guess = guess.clone();
     // A guess may carry more than an elastic contact can.
-    form.put_in_modes(&mut guess, 0.0, |_| None);
+    form.put_in_modes(&mut guess, 0.0, &|_| None);
     let guess = &guess;
     let failure = match find(form, guess, period) {
         Err(failure @ Error::NotPeriodic { .. }) => failure,
@@ -408,6 +408,6 @@ fn transient_end(
     };
     let (mut reached, modes) = reach(form, start, duration)?;
     reached = form.put_back(&reached, start);
-    form.put_in_modes(&mut reached, 0.0, |c| Some(modes[c]));
+    form.put_in_modes(&mut reached, 0.0, &|c| Some(modes[c]));
     Ok(reached)
 }

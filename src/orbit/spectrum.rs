@@ -5,6 +5,7 @@ use nalgebra::Complex;
 use super::form::GeneralForm;
 use crate::error::Error;
 use crate::numerics::eigenvalues::{balance, eigenvalues};
+use crate::numerics::sort::sort_by;
 use crate::structure::sliding_field::SlidingField;
 
 /// Real parts below this part of the largest eigenvalue count as 0.
@@ -27,7 +28,8 @@ pub(super) fn spectrum(form: &GeneralForm<'_>) -> Result<Vec<Complex<f64>>, Erro
     }
     let _ = balance(&mut matrix);
     let mut values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
-    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    sort_by(&mut values, |value| -value.im);
+    sort_by(&mut values, |value| -value.re);
     Ok(values)
 }
 

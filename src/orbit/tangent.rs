@@ -79,7 +79,7 @@ impl<'s> TangentFlow<'s> {
             error => return Some(error),
         };
         let reached = || Reached::new(step.start_time(), step.state().clone());
-        if let Err(error) = self.form.count(reached) {
+        if let Err(error) = self.form.count(&reached) {
             return Some(Err(error));
         }
         if step.duration() > 0.0 {
@@ -91,7 +91,7 @@ impl<'s> TangentFlow<'s> {
                     self.tangents.row_mut(n + i).fill(0.0);
                 }
             }
-            let holding = model.holding(rests);
+            let holding = model.holding(&rests);
             if !holding.contacts.is_empty() {
                 for mut column in self.tangents.column_iter_mut() {
                     let mut velocities = column.rows_mut(n, n);
@@ -222,7 +222,7 @@ fn advance<const W: usize>(
         if part < SHORTEST * h {
             return Err(form.too_many(reached()));
         }
-        form.count(reached)?;
+        form.count(&reached)?;
         linear = Cow::Owned(linear.shifted(part));
     }
     for (lane, column) in columns.iter_mut().enumerate() {

@@ -17,12 +17,16 @@
 //! each law instead of 0.5 kB. Without this copy a whole motion takes up to 1.4 times as long.
 //!
 //! With AVX-512 the fused code has twice as many registers, which saves 3 to 8 % of the time of a
-//! motion on an AMD EPYC. Processors that AVX-512 slows down (those before Intel's Ice Lake) run
-//! without it. Results with and without AVX-512 are the same to the bit.
+//! motion on an AMD EPYC. Processors that AVX-512 slows down (those before Intel's Ice Lake, known
+//! by `avx512vbmi2`) run without it. Results with and without AVX-512 are the same to the bit.
 //!
 //! In a build for all x86-64 processors, `f64::mul_add` outside of [`compute`] calls slow library
 //! code. The functions and closures of [`compute`] must therefore be inlined into it; `.ci/run`
 //! checks this.
+//!
+//! The only `unsafe` expression of the crate is here: stable Rust has no safe call of a function
+//! that needs instructions which a test has just found. A crate that hides the call in a macro
+//! takes a tenth of the time in which one mass on a belt is compiled.
 
 use super::FUSED;
 
@@ -58,17 +62,6 @@ pub(crate) fn mul_add_in<const CHOSEN: bool>(a: f64, b: f64, c: f64) -> f64 {
 /// knows that `fixed` does not change while `work` is written. Further references would be read
 /// from memory, and the compiler would not know whether they overlap.
 #[inline(always)]
-#[cfg_attr(
-    all(target_arch = "x86_64", not(target_feature = "fma")),
-    multiversion::multiversion(targets(
-        "x86_64+avx512f+avx2+bmi1+bmi2+fma",
-        "x86_64+avx2+bmi1+bmi2+fma"
-    ))
-)]
-#[cfg_attr(
-    not(all(target_arch = "x86_64", not(target_feature = "fma"))),
-    expect(unused_variables)
-)]
 pub(crate) fn compute<A, B, R>(
     fixed: &A,
     work: &mut B,
@@ -76,8 +69,50 @@ pub(crate) fn compute<A, B, R>(
     otherwise: impl FnOnce(&A, &mut B) -> R,
 ) -> R {
     #[cfg(all(target_arch = "x86_64", not(target_feature = "fma")))]
-    if !multiversion::target::target_cfg_f!(target_feature = "fma") {
-        return otherwise(fixed, work);
+    return processor::compute(fixed, work, kernel, otherwise);
+    #[cfg(not(all(target_arch = "x86_64", not(target_feature = "fma"))))]
+    {
+        let _ = otherwise;
+        kernel(fixed, work)
     }
-    kernel(fixed, work)
+}
+
+#[cfg(all(target_arch = "x86_64", not(target_feature = "fma")))]
+mod processor {
+    use std::arch::is_x86_feature_detected as has;
+
+    /// The result of [`compute`](super::compute), chosen at run time.
+    #[expect(
+        unsafe_code,
+        reason = "stable Rust calls what a test has just allowed only so"
+    )]
+    #[inline(always)]
+    pub(super) fn compute<A, B, R>(
+        fixed: &A,
+        work: &mut B,
+        kernel: impl FnOnce(&A, &mut B) -> R,
+        otherwise: impl FnOnce(&A, &mut B) -> R,
+    ) -> R {
+        if !(has!("avx2") && has!("bmi1") && has!("bmi2") && has!("fma")) {
+            return otherwise(fixed, work);
+        }
+        // SAFETY: the processor has all features that the function called is compiled for.
+        unsafe {
+            if has!("avx512vbmi2") {
+                with_avx512(fixed, work, kernel)
+            } else {
+                with_avx2(fixed, work, kernel)
+            }
+        }
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
+    fn with_avx2<A, B, R>(fixed: &A, work: &mut B, kernel: impl FnOnce(&A, &mut B) -> R) -> R {
+        kernel(fixed, work)
+    }
+
+    #[target_feature(enable = "avx512f,avx2,bmi1,bmi2,fma")]
+    fn with_avx512<A, B, R>(fixed: &A, work: &mut B, kernel: impl FnOnce(&A, &mut B) -> R) -> R {
+        kernel(fixed, work)
+    }
 }

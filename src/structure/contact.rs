@@ -8,6 +8,7 @@ use crate::drive::Drive;
 use crate::error::{Element, Error};
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{ContactLaw, Slip, validate};
+use crate::numerics::sort::sort_by;
 
 /// A friction contact: its direction, its law, its normal load, and the velocity of the surface on
 /// which it slides.
@@ -360,7 +361,7 @@ pub(super) fn checked_direction(
     given: &[(usize, f64)],
 ) -> Result<(usize, Vec<(usize, f64)>), Error> {
     let mut direction = given.to_vec();
-    direction.sort_by_key(|&(j, _)| j);
+    sort_by(&mut direction, |&(j, _)| j as f64);
     let is_named_twice = direction.windows(2).any(|pair| pair[0].0 == pair[1].0);
     let is_finite = direction.iter().all(|(_, b)| b.is_finite());
     direction.retain(|&(_, b)| b != 0.0);

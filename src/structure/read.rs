@@ -8,6 +8,7 @@ use crate::drive::Drive;
 use crate::error::Error;
 use crate::friction::memory::{AnyContactLaw, Dahl, Dwell, LuGre, NamedLaw};
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
+use crate::numerics::sort::sort_by;
 
 /// A contact as it is written, with its law in one form or another.
 #[derive(Serialize, Deserialize)]
@@ -114,7 +115,7 @@ impl TryFrom<ContactText<LawText>> for super::Contact {
             direction.push((read.coordinate, 1.0));
         }
         // The coordinate that names the contact comes first.
-        direction.sort_by_key(|&(i, _)| i != read.coordinate);
+        sort_by(&mut direction, |&(i, _)| f64::from(i != read.coordinate));
         let mut contact = read.law.contact(&direction, read.load)?;
         for (coordinate, gradient) in read.load_gradient {
             contact = contact.with_load_gradient(coordinate, gradient)?;

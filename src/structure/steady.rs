@@ -9,6 +9,7 @@ use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Sliding, Slip};
 use crate::friction::piece_above;
 use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
+use crate::numerics::sort::sort_by;
 use crate::state::Direction;
 
 /// Steady sliding of a [`Structure`]: the equilibrium in which every mass stands still while the
@@ -412,6 +413,7 @@ fn eigenvalues(
     for value in &mut values {
         *value += Complex::new(0.0, 0.0);
     }
-    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    sort_by(&mut values, |value| -value.im);
+    sort_by(&mut values, |value| -value.re);
     Some(values)
 }

@@ -10,6 +10,7 @@
 //! e[…] are divided differences of λ ↦ e^{λt}: symmetric and entire, so that coinciding roots, or a
 //! root equal to σ, are no special case.
 
+use crate::numerics::sort::sort_by;
 use nalgebra::Complex;
 
 /// m x'' + c x' + κ x, all finite, m > 0, c ≥ 0, κ ≥ 0.
@@ -63,7 +64,7 @@ impl Linear {
         let scaled = exponents.map(|exponent| exponent * time);
         let displacement = second(scaled) * (time * time);
         // Of x' = σ_i e[σ_1, σ_2, σ_3] + e[the other two] the one without cancellation.
-        exponents.sort_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+        sort_by(&mut exponents, |exponent| exponent.norm_sqr());
         let [least, a, b] = exponents;
         let velocity = least * displacement + first(a * time, b * time) * time;
         [displacement / self.mass, velocity / self.mass]

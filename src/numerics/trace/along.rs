@@ -6,6 +6,7 @@ use nalgebra::DVector;
 use super::super::bracket::Bracket;
 use super::{Equations, Plane, Point, at_zero, solve};
 use crate::error::Error;
+use crate::numerics::sort::sort_by;
 
 /// A curve in one direction from its first point, which is not repeated.
 #[derive(Debug)]
@@ -392,7 +393,7 @@ fn special_points<E: Equations>(
             found.push((test, place));
         }
     }
-    found.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+    sort_by(&mut found, |special| special.1.distance);
     Ok(found)
 }
 

@@ -9,6 +9,7 @@
 //! with one border, or two where two singular values vanish together. Source: Govaerts, *Numerical
 //! Methods for Bifurcations of Dynamical Equilibria*, chapter 3.
 
+use crate::numerics::sort::order;
 use nalgebra::{DMatrix, DVector, SVD};
 
 /// A bordered matrix, solved.
@@ -30,8 +31,7 @@ impl Bordered {
         }
         let svd = SVD::try_new(matrix.clone(), true, true, f64::EPSILON, 1000 * n)?;
         let (left, right) = (svd.u?, svd.v_t?.transpose());
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&i, &j| svd.singular_values[i].total_cmp(&svd.singular_values[j]));
+        let order = order(svd.singular_values.as_slice());
         let last = |vectors: &DMatrix<f64>| vectors.select_columns(&order[..count]);
         let borders = [last(&left), last(&right)];
         Self::solve(borders, matrix)

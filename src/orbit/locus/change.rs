@@ -11,6 +11,7 @@ use super::events::margin;
 use super::found::LocusKind;
 use super::start::{FrozenStart, Mark};
 use crate::motion::{Event, EventKind, Mode, Segment};
+use crate::numerics::sort::sort_by;
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -108,7 +109,7 @@ pub(super) fn touch(
         .iter()
         .filter(|minimum| sticks.is_none_or(|sticks| lasts(minimum) == sticks))
         .collect();
-    near.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
+    sort_by(&mut near, |minimum| minimum.speed.abs());
     let least = **near.first()?;
     near.retain(|minimum| {
         let apart = (minimum.speed - least.speed).abs();
@@ -241,7 +242,7 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
         Some((event.contact, margin, mark(event, None)))
     });
     let mut arrivals: Vec<_> = arrivals.collect();
-    arrivals.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    sort_by(&mut arrivals, |arrival| arrival.1.abs());
     let stops = arrivals.first().copied().map(|(contact, least, _)| {
         let alike = arrivals.iter().filter(|(_, margin, _)| {
             (margin.abs() - least.abs()).abs() <= ALIKE * least.abs() + ROUNDING

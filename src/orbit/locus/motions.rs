@@ -180,7 +180,7 @@ impl<'f> Motions<'f> {
         let period = self.period(form, y)?;
         let time = begin.phase * period;
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        form.put_in_modes(&mut start, time, |c| begin.modes.get(c).copied());
+        form.put_in_modes(&mut start, time, &|c| begin.modes.get(c).copied());
         Ok((time, start, period))
     }
 

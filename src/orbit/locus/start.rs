@@ -216,7 +216,7 @@ impl Motions<'_> {
         };
         self.with_form(self.parameters(y), |form| {
             let mut start = step.state_at(step.since_start(period));
-            form.put_in_modes(&mut start, 0.0, |c| Some(step.modes()[c]));
+            form.put_in_modes(&mut start, 0.0, &|c| Some(step.modes()[c]));
             let holds = trial.map.holds_later((1.0 - begin.phase) * period, period);
             let map = held_period_map(&form, (0.0, &start), period, &holds)?;
             Ok(TrialMotion::new(map, period))

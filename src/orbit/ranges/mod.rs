@@ -18,6 +18,7 @@ use super::sweep::Sweep;
 use crate::error::Error;
 use crate::motion::System;
 use crate::numerics::bracket::border;
+use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
 
 /// Intervals of the range at whose ends the system is swept.
@@ -465,7 +466,7 @@ fn ranges<'b, S: System>(
     let mut borders: Vec<(f64, Border)> = borders.filter(|border| inside(border.0)).collect();
     borders.push((range.start, Border::Range));
     borders.push((range.end, Border::Range));
-    borders.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut borders, |border| border.0);
     // The facts that are known exactly, without the branches, come first.
     let rank = |border: Border| match border {
         Border::Range => 3,

@@ -296,7 +296,7 @@ pub fn orbit_sensitivities<S: Oscillator>(
         let changes = std::iter::zip(to, parameters).map(|(to, from)| to - from);
         let changes = DVector::from_iterator(to.len(), changes);
         let mut start = state(&(&start + slopes * changes), n);
-        form.put_in_modes(&mut start, begin, |c| Some(step.modes()[c]));
+        form.put_in_modes(&mut start, begin, &|c| Some(step.modes()[c]));
         Run::of(&form, (begin, &start), duration, expected)
     };
     let mut slopes = DMatrix::zeros(order, parameters.len());

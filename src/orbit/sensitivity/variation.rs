@@ -49,7 +49,7 @@ impl Run {
         };
         for step in Flow::new(settings, form.model().clone(), start)? {
             let step = step?;
-            form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+            form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
             let reached = step.end_time();
             let missing = run.events.len() < expected && reached <= begin + LATER * duration;
             let events = step.events().iter();

@@ -14,7 +14,7 @@ impl Model<'_> {
         &self,
         velocities: &mut [f64],
         time: f64,
-        rests: impl Fn(usize) -> bool,
+        rests: &dyn Fn(usize) -> bool,
     ) {
         for (c, contact) in self.contacts.iter().enumerate() {
             if let (Site::Own(i), true) = (&contact.site, rests(c)) {
@@ -26,15 +26,15 @@ impl Model<'_> {
             let contact = &self.contacts[c];
             contact.along(|j| velocities[j]) - contact.belt_velocity.value(time)
         };
-        for (j, correction) in self.corrections(&holding, relative) {
+        for (j, correction) in self.corrections(&holding, &relative) {
             velocities[j] -= correction;
         }
     }
 
     /// The constraints of the shared contacts that stick, one for each independent direction.
-    pub(crate) fn holding(&self, sticks: impl Fn(usize) -> bool) -> Holding {
+    pub(crate) fn holding(&self, sticks: &dyn Fn(usize) -> bool) -> Holding {
         let shared = self.shared.iter().copied();
-        self.independent(shared.filter(|&c| sticks(c)).collect(), |_| 0.0)
+        self.independent(shared.filter(|&c| sticks(c)).collect(), &|_| 0.0)
     }
 
     /// The least change of the coordinates, in the norm of M, that sets the relative motion `apart`
@@ -42,7 +42,7 @@ impl Model<'_> {
     pub(crate) fn corrections(
         &self,
         holding: &Holding,
-        apart: impl Fn(usize) -> f64,
+        apart: &dyn Fn(usize) -> f64,
     ) -> Vec<(usize, f64)> {
         let Holding { contacts, factor } = holding;
         let root = |c: usize| self.contacts[c].compliance.sqrt();
@@ -60,10 +60,10 @@ impl Model<'_> {
     pub(crate) fn independent(
         &self,
         mut contacts: Vec<usize>,
-        softness: impl Fn(usize) -> f64,
+        softness: &dyn Fn(usize) -> f64,
     ) -> Holding {
         loop {
-            match self.giving_factor(&contacts, &softness) {
+            match self.giving_factor(&contacts, softness) {
                 Ok(factor) => return Holding { contacts, factor },
                 Err(place) => {
                     contacts.remove(place);
@@ -229,7 +229,7 @@ impl Model<'_> {
     ///
     /// The place of the first contact whose direction depends on those before it.
     pub(crate) fn factor(&self, among: &[usize]) -> Result<Factor, usize> {
-        Factor::new(self.couplings(among))
+        Factor::new(&mut self.couplings(among))
     }
 
     /// The factor of G with an additional compliance of each contact, relative to its own
@@ -241,9 +241,9 @@ impl Model<'_> {
     fn giving_factor(
         &self,
         among: &[usize],
-        softness: impl Fn(usize) -> f64,
+        softness: &dyn Fn(usize) -> f64,
     ) -> Result<Factor, usize> {
-        Factor::with_diagonal(|i| 1.0 + softness(among[i]), self.couplings(among))
+        Factor::with_diagonal(&|i| 1.0 + softness(among[i]), &mut self.couplings(among))
     }
 
     /// The factor of G with a small additional compliance of each contact, so that contacts with
@@ -252,7 +252,7 @@ impl Model<'_> {
         const SOFTEST: f64 = 1.0;
         let mut softness = 1e-8;
         loop {
-            match self.giving_factor(among, |_| softness) {
+            match self.giving_factor(among, &|_| softness) {
                 Ok(factor) => return factor,
                 // Numbers that are not finite.
                 Err(_) if softness > SOFTEST => return Factor::default(),

@@ -46,7 +46,7 @@ pub(crate) struct AtContact {
 impl<'a, 's> Forces<'a, 's> {
     pub(crate) fn of(model: &'a Model<'s>, step: &'a Step) -> Self {
         Self {
-            holding: model.holding(|c| step.modes()[c] == Mode::Stick),
+            holding: model.holding(&|c| step.modes()[c] == Mode::Stick),
             model,
             step,
         }

@@ -11,6 +11,7 @@ use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::friction::FrictionLaw;
 use crate::motion::Mode;
+use crate::numerics::sort::sort_by;
 
 /// The data that are constant in a motion.
 ///
@@ -194,8 +195,10 @@ impl<'s> Model<'s> {
         let is_along = |j: usize| uses[j] > 0 && self.owner[j].is_none();
         let of_shared = (0..n).filter(|&j| is_along(j) || !near[j].is_empty());
         self.shared_coordinates = of_shared.collect();
-        self.shared
-            .sort_by_key(|&c| self.contacts[c].direction.iter().map(|&(j, _)| j).min());
+        sort_by(&mut self.shared, |&c| {
+            let coordinates = self.contacts[c].direction.iter().map(|&(j, _)| j);
+            coordinates.min().map_or(-1.0, |least| least as f64)
+        });
         for &c in &self.shared {
             let coupled = self.coupled(c, &near);
             if let Site::Shared { coupled: to, .. } = &mut self.contacts[c].site {
@@ -437,7 +440,7 @@ fn responses_to(inverse_mass: &Sparse, direction: &Entries) -> Vec<(usize, f64)>
         response.push((j, b * diagonal));
         response.extend(beside.iter().map(|&(i, entry)| (i, b * entry)));
     }
-    response.sort_by_key(|&(i, _)| i);
+    sort_by(&mut response, |&(i, _)| i as f64);
     response.dedup_by(|next, sum| {
         let is_same = next.0 == sum.0;
         if is_same {

@@ -7,6 +7,7 @@ use super::model::Model;
 use super::series::Series;
 use super::shared::unless_rounding;
 use super::state::{Closed, Entry, Phase, Situation};
+use crate::numerics::sort::sort_by;
 
 /// Contacts that come to rest because others do: r_d = Σ α_c (r_c + w_c) − w_d of a direction
 /// b_d = Σ α_c b_c is 0 to the rounding of its terms. The roots of all these speeds are one, but
@@ -42,7 +43,7 @@ pub(super) fn arrive_with_others(model: &Model<'_>, situation: &mut Situation, s
         along + surface(c).abs()
     };
     let rests = |&c: &usize| {
-        let holding = model.independent(connected.around(model, c), |_| 0.0);
+        let holding = model.independent(connected.around(model, c), &|_| 0.0);
         let Some(parts) = model.dependence(c, &holding) else {
             return false;
         };
@@ -138,8 +139,8 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
         }
         Phase::Open | Phase::Slip { .. } => 0.0,
     };
-    let velocities = model.corrections(&closed.holding, apart);
-    let displacements = model.corrections(&situation.holding, carried);
+    let velocities = model.corrections(&closed.holding, &apart);
+    let displacements = model.corrections(&situation.holding, &carried);
     let before = |&j: &usize| (j, situation.coordinates[j].velocity);
     let before: Vec<_> = model.shared_coordinates.iter().map(before).collect();
     for (j, correction) in velocities {
@@ -199,17 +200,19 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
         state if state.rests() => ARRIVING,
         _ => SLIDING,
     };
-    let holding = model.independent(contacts.collect(), softness);
+    let holding = model.independent(contacts.collect(), &softness);
     // Contacts that stick already come first: an arrival that depends on them adds only rounding.
     let resting = holding.contacts.iter().copied();
     let mut resting: Vec<usize> = resting.filter(|&c| situation.contacts[c].rests()).collect();
-    resting.sort_by_key(|&c| !situation.contacts[c].sticks());
+    sort_by(&mut resting, |&c| {
+        f64::from(!situation.contacts[c].sticks())
+    });
     // One that nearly depends on them would magnify that rounding, and may slip.
     let margin = |c: usize| match situation.contacts[c].sticks() {
         true => 0.0,
         false => -ARRIVING,
     };
-    let exact = model.independent(resting.clone(), margin).contacts;
+    let exact = model.independent(resting.clone(), &margin).contacts;
     // Both are in the same order.
     let mut set = exact.iter().peekable();
     resting.retain(|c| set.next_if_eq(&c).is_none());
