@@ -174,6 +174,12 @@
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
 //!   on all cores, with the same results bit for bit.
 #![deny(unsafe_code)]
+// Without structures, some of what they share with the belt is not in use, and pages name what is
+// not there.
+#![cfg_attr(
+    not(feature = "orbits"),
+    allow(dead_code, unreachable_pub, unused_imports, rustdoc::broken_intra_doc_links)
+)]
 // docs.rs marks the items that a feature adds.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -201,6 +207,7 @@ pub mod analysis;
 mod belt;
 pub mod bifurcation;
 mod clock;
+#[cfg(feature = "structures")]
 mod drive;
 mod error;
 mod friction;
@@ -208,6 +215,7 @@ pub mod guarantees;
 pub mod limit_cycle;
 mod motion;
 mod numerics;
+#[cfg(feature = "orbits")]
 pub mod orbit;
 mod physical;
 mod scalar;
@@ -216,9 +224,11 @@ mod scaling;
 pub mod schema;
 mod series;
 mod state;
+#[cfg(feature = "structures")]
 pub mod structure;
 
-pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
+pub use belt::{Equilibrium, Flow, Jacobian, MassOnBelt, Stability, Step};
+#[cfg(feature = "structures")]
 pub use drive::Drive;
 pub use error::{Error, Reached};
 pub use friction::memory::{
@@ -236,11 +246,14 @@ pub use limit_cycle::{
 pub use motion::{
     Ended, Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory,
 };
+#[cfg(feature = "structures")]
 pub use nalgebra;
+pub use num_complex;
 pub use physical::PhysicalMassOnBelt;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};
+#[cfg(feature = "structures")]
 pub use structure::{Contact, Structure};
 
 /// Compiles the program of the README as a test.

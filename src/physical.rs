@@ -9,10 +9,11 @@ use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
 use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
 use crate::motion::{Integrator, Trajectory};
-use crate::orbit::Criticality;
+use crate::belt::Criticality;
 use crate::scaling::{Physical, Scaling};
 use crate::series::TERMS;
 use crate::state::State;
+#[cfg(feature = "structures")]
 use crate::structure::{Contact, Structure};
 
 /// A mass on a belt in SI units: all arguments and results are in metres, seconds, newtons and
@@ -567,6 +568,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
 /// assert!((motion.last().displacements[0] - same.last().displacement).abs() < 1e-16); // m
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[cfg(feature = "structures")]
 impl<L> TryFrom<&PhysicalMassOnBelt<L>> for Structure
 where
     L: FrictionLaw + Clone + Send + Sync + 'static,

@@ -1,4 +1,6 @@
-use nalgebra::{Complex, Matrix2};
+use std::ops::Index;
+
+use num_complex::Complex;
 
 use crate::error::Digits;
 use crate::state::Units;
@@ -44,7 +46,7 @@ pub struct Equilibrium {
     /// Displacement ū of the mass, dimensionless.
     pub displacement: f64,
     /// Jacobian J of the map (u, v) ↦ (u', v') of displacement u and velocity v, dimensionless.
-    pub jacobian: Matrix2<f64>,
+    pub jacobian: Jacobian,
     /// Eigenvalues λ of J, dimensionless (in units of the natural frequency ω0). The eigenvalue
     /// with the + sign in Eq. 14 is the first.
     pub eigenvalues: [Complex<f64>; 2],
@@ -52,12 +54,24 @@ pub struct Equilibrium {
     pub stability: Stability,
 }
 
+/// A Jacobian matrix; `jacobian[(i, j)]` is the derivative of rate i by variable j, from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jacobian([[f64; 2]; 2]);
+
+impl Index<(usize, usize)> for Jacobian {
+    type Output = f64;
+
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.0[row][column]
+    }
+}
+
 impl Equilibrium {
     /// The equilibrium at ū with h1 = `damping`.
     pub(crate) fn new(displacement: f64, damping: f64) -> Self {
         Self {
             displacement,
-            jacobian: Matrix2::new(0.0, 1.0, -1.0, -damping),
+            jacobian: Jacobian([[0.0, 1.0], [-1.0, -damping]]),
             eigenvalues: eigenvalues(damping),
             stability: Stability::of(damping),
         }
@@ -68,7 +82,7 @@ impl Equilibrium {
         let rate = units.rate;
         Self {
             displacement: self.displacement * units.length,
-            jacobian: Matrix2::new(0.0, 1.0, -rate * rate, rate * self.jacobian[(1, 1)]),
+            jacobian: Jacobian([[0.0, 1.0], [-rate * rate, rate * self.jacobian[(1, 1)]]]),
             eigenvalues: self.eigenvalues.map(|eigenvalue| eigenvalue * rate),
             stability: self.stability,
         }

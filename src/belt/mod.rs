@@ -16,6 +16,7 @@
 // | `read.rs`, `written.rs` | how a system is read, and an equilibrium written (feature `serde`) |
 
 mod breakpoints;
+mod criticality;
 mod defect;
 mod equilibrium;
 mod flow;
@@ -31,7 +32,8 @@ mod system;
 #[cfg(feature = "serde")]
 mod written;
 
-pub use equilibrium::{Equilibrium, Stability};
+pub use criticality::Criticality;
+pub use equilibrium::{Equilibrium, Jacobian, Stability};
 pub use flow::Flow;
 pub(crate) use forward::Forward;
 pub(crate) use model::{Belt, Landing};

@@ -5,7 +5,7 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 use crate::numerics::scan::sign_changes;
-use crate::orbit::Criticality;
+use crate::belt::Criticality;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
 /// regains stability.

@@ -75,11 +75,12 @@ mod diagram;
 mod fold;
 mod grazing;
 mod hopf;
+#[cfg(feature = "orbits")]
 mod hopf_locus;
 mod ranges;
 mod silence;
 
-pub use crate::orbit::Criticality;
+pub use crate::belt::Criticality;
 pub use along::{Along, Progress, along, along_velocities};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
@@ -90,6 +91,7 @@ pub use grazing::{
     crossing_velocities, grazing_velocities, overshoot_velocities, touching_velocities,
 };
 pub use hopf::{criticality, hopf_velocities};
+#[cfg(feature = "orbits")]
 pub use hopf_locus::{HopfLocus, HopfPoint, SpecialHopfPoint, hopf_locus};
 pub use ranges::{AttractorKind, VibrationRange, vibration_ranges};
 pub use silence::{silencing_damping, silencing_load};

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::cycle::LimitCycle;
 use crate::belt::Step;

@@ -1,7 +1,8 @@
 //! Eigenvalues of any real matrix, and units in which its rows and columns are of one size.
 
 use nalgebra::linalg::Schur;
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 /// Sweeps for each eigenvalue; two or three are usual.
 const MOST_SWEEPS: usize = 100;

@@ -20,13 +20,16 @@
 pub(crate) mod adaptive;
 pub(crate) mod bracket;
 pub(crate) mod chebyshev;
+#[cfg(feature = "structures")]
 pub(crate) mod eigenvalues;
 pub(crate) mod gauss;
+#[cfg(feature = "orbits")]
 pub(crate) mod least_norm;
 pub(crate) mod scan;
 pub(crate) mod sort;
 #[cfg(test)]
 pub(crate) mod testing;
+#[cfg(feature = "orbits")]
 pub(crate) mod trace;
 pub(crate) mod with_slopes;
 

@@ -1,6 +1,7 @@
 //! Bifurcations between two points of a branch.
 
-use nalgebra::{Complex, DVector};
+use nalgebra::DVector;
+use num_complex::Complex;
 
 use super::approach::Sides;
 use super::branch::BifurcationKind;

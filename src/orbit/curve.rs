@@ -9,7 +9,8 @@
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::branch::BranchEnd;
 use super::form::GeneralForm;

@@ -1,7 +1,8 @@
 //! The period map, from the state at the start of a period to the state at its end, and its
 //! derivative.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::form::GeneralForm;
 use super::hold::{Hold, Touch};

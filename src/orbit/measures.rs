@@ -3,7 +3,8 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::{Complex, DVector};
+use nalgebra::DVector;
+use num_complex::Complex;
 
 use super::form::GeneralForm;
 use super::oscillator::Oscillator;

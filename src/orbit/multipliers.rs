@@ -1,6 +1,7 @@
 //! Floquet multipliers: the eigenvalues of the monodromy matrix of a closed motion.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use crate::numerics::eigenvalues::{eigenvalues, reflected};
 use crate::numerics::sort::sort_by;

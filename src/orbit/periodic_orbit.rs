@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::form::GeneralForm;
 use super::map;

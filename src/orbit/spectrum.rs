@@ -1,6 +1,6 @@
 //! The eigenvalues of steady sliding, and where a pair of them crosses the imaginary axis.
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::form::GeneralForm;
 use crate::error::Error;

@@ -3,7 +3,8 @@
 
 use nalgebra::DVector;
 
-use super::branch::{Bifurcation, BifurcationKind, BranchPoint, Criticality};
+use super::branch::{Bifurcation, BifurcationKind, BranchPoint};
+use crate::belt::Criticality;
 use super::changes::LocalCurve;
 use super::curve::{Curve, Solved};
 use super::follow::anchor;

@@ -4,7 +4,7 @@
 mod expression;
 
 use expression::{Expression, SPEED};
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::dual::{Dual, Tangent};
 use super::jet::{self, Tape};

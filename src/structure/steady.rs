@@ -1,4 +1,5 @@
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::contact::Contact;
 use super::engine::contact::Entries;

@@ -11,7 +11,7 @@
 //! root equal to σ, are no special case.
 
 use crate::numerics::sort::sort_by;
-use nalgebra::Complex;
+use num_complex::Complex;
 
 /// m x'' + c x' + κ x, all finite, m > 0, c ≥ 0, κ ≥ 0.
 #[derive(Debug, Clone, Copy)]

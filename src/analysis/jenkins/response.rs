@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use nalgebra::{Complex, Matrix3, Vector3};
+use num_complex::Complex;
 
 use super::are_positive;
 use super::linear::{Linear, Motion};
@@ -131,6 +131,9 @@ struct Arcs {
     release: Motion<f64>,
 }
 
+/// Rows of three equations.
+type Matrix = [[f64; 3]; 3];
+
 /// A determinant, and the sum of the moduli of its terms.
 #[derive(Debug, Clone, Copy)]
 struct Determinant {
@@ -212,7 +215,7 @@ impl Forced {
 
     /// The three equations for A, a and b, linear for given τ: force −1 at τ, displacement −A and
     /// velocity 0 at π.
-    fn equations(&self, elastic_time: f64) -> (Matrix3<f64>, Vector3<f64>) {
+    fn equations(&self, elastic_time: f64) -> (Matrix, [f64; 3]) {
         let [stick, slip] = self.oscillators();
         // On the elastic arc with y = x − A: m y'' + c y' + (k + 1) y = a cos t + b sin t − 1 − kA.
         let [answer, rate] = stick.forced(FREQUENCY, elastic_time);
@@ -235,18 +238,12 @@ impl Forced {
             })
         });
         let [x_end, v_end] = end;
-        let matrix = Matrix3::new(
-            y[0],
-            y[1],
-            y[2], //
-            x_end[0] + 1.0,
-            x_end[1],
-            x_end[2], //
-            v_end[0],
-            v_end[1],
-            v_end[2],
-        );
-        (matrix, Vector3::new(-2.0 - y[3], -x_end[3], -v_end[3]))
+        let matrix = [
+            [y[0], y[1], y[2]],
+            [x_end[0] + 1.0, x_end[1], x_end[2]],
+            [v_end[0], v_end[1], v_end[2]],
+        ];
+        (matrix, [-2.0 - y[3], -x_end[3], -v_end[3]])
     }
 
     /// The determinants of Cramer's rule: that of the equations, and those whose ratios to it are
@@ -256,7 +253,9 @@ impl Forced {
         std::array::from_fn(|i| {
             let mut replaced = matrix;
             if let Some(column) = i.checked_sub(1) {
-                replaced.set_column(column, &right);
+                for (row, right) in std::iter::zip(&mut replaced, right) {
+                    row[column] = right;
+                }
             }
             Determinant::of(&replaced)
         })
@@ -416,17 +415,17 @@ impl Forced {
 }
 
 impl Determinant {
-    fn of(matrix: &Matrix3<f64>) -> Self {
+    fn of(matrix: &Matrix) -> Self {
         let minor = |i: usize, j: usize| {
             let [p, q] = [
-                matrix[(1, i)] * matrix[(2, j)],
-                matrix[(1, j)] * matrix[(2, i)],
+                matrix[1][i] * matrix[2][j],
+                matrix[1][j] * matrix[2][i],
             ];
             (p - q, p.abs() + q.abs())
         };
         let terms = [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(column, i, j)| {
             let (value, size) = minor(i, j);
-            let factor = matrix[(0, column)];
+            let factor = matrix[0][column];
             (factor * value, factor.abs() * size)
         });
         Self {

@@ -12,7 +12,8 @@
 
 use std::ops::Range;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use crate::error::Error;
 use crate::numerics::eigenvalues::{balance, eigenvalues};

@@ -4,13 +4,15 @@ mod equations;
 
 use std::ops::Range;
 
-use nalgebra::{Complex, DVector};
+use nalgebra::DVector;
+use num_complex::Complex;
 
 use self::equations::{Bordered, HopfPoints};
 use crate::error::Error;
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
-use crate::orbit::{Criticality, LocusEnd, Oscillator, SpecialKind, member};
+use crate::belt::Criticality;
+use crate::orbit::{LocusEnd, Oscillator, SpecialKind, member};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
 #[derive(Debug, Clone, PartialEq)]

@@ -13,17 +13,22 @@
 
 mod any;
 mod bristle;
+#[cfg(feature = "structures")]
 mod check;
 mod dwell;
+#[cfg(feature = "structures")]
 pub(crate) mod object;
 #[cfg(feature = "serde")]
 mod read;
+#[cfg(feature = "structures")]
 mod sliding;
 
 pub use any::AnyContactLaw;
 pub use bristle::{Dahl, LuGre};
+#[cfg(feature = "structures")]
 pub(crate) use check::validate;
 pub use dwell::Dwell;
+#[cfg(feature = "structures")]
 pub(crate) use sliding::Sliding;
 
 use crate::friction::{AnyLaw, FrictionLaw, LawRef};

@@ -12,7 +12,8 @@
 use std::cell::Cell;
 use std::ops::Range;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, Touch, speeds};

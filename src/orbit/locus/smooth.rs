@@ -13,7 +13,8 @@
 
 use std::ops::Range;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then};

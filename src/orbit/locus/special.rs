@@ -1,6 +1,7 @@
 //! Special points of curves of folds, flips, pitchforks and tori: zeros of test functions.
 
-use nalgebra::{Complex, DVector};
+use nalgebra::DVector;
+use num_complex::Complex;
 
 use super::found::SpecialKind;
 use super::smooth::{Motion, Smooth, SmoothCurve};

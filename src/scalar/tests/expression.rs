@@ -1,6 +1,6 @@
 //! Laws as data.
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
