@@ -167,8 +167,11 @@
 //!
 //! # Features
 //!
-//! No feature is on by default.
+//! `structures` and `orbits` are on by default. Without them there is one mass on a belt, with all
+//! its searches and formulas, and `nalgebra` is not needed: `default-features = false`.
 //!
+//! * `structures`: adds [`structure`], [`Structure`], [`Contact`] and [`Drive`].
+//! * `orbits`: adds [`orbit`] and [`bifurcation::hopf_locus`], and turns on `structures`.
 //! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes, but
 //!   does not read, equilibria, cycles and diagrams. `schema` lists the names.
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
