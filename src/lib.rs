@@ -181,7 +181,12 @@
 // not there.
 #![cfg_attr(
     not(feature = "orbits"),
-    allow(dead_code, unreachable_pub, unused_imports, rustdoc::broken_intra_doc_links)
+    allow(
+        dead_code,
+        unreachable_pub,
+        unused_imports,
+        rustdoc::broken_intra_doc_links
+    )
 )]
 // docs.rs marks the items that a feature adds.
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -3,13 +3,13 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 
+use crate::belt::Criticality;
 use crate::belt::{Equilibrium, MassOnBelt, Step};
 use crate::bifurcation::{self, DiagramPoint, VibrationRange};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
 use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
 use crate::motion::{Integrator, Trajectory};
-use crate::belt::Criticality;
 use crate::scaling::{Physical, Scaling};
 use crate::series::TERMS;
 use crate::state::State;

@@ -1,11 +1,11 @@
 use std::ops::Range;
 
 use super::along::{Along, Work, along_velocities};
+use crate::belt::Criticality;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 use crate::numerics::scan::sign_changes;
-use crate::belt::Criticality;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
 /// regains stability.

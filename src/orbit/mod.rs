@@ -229,8 +229,8 @@ mod walk;
 #[cfg(feature = "serde")]
 mod written;
 
-pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 pub use crate::belt::Criticality;
+pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 pub use classify::{Attractor, AttractorKind, classify};
 pub use follow::follow;
 pub use hopf::begin;

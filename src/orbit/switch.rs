@@ -4,7 +4,6 @@
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, BranchPoint};
-use crate::belt::Criticality;
 use super::changes::LocalCurve;
 use super::curve::{Curve, Solved};
 use super::follow::anchor;
@@ -16,6 +15,7 @@ use super::search::Search;
 use super::symmetry::HalfMap;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
+use crate::belt::Criticality;
 use crate::error::Error;
 use crate::numerics::trace::Plane;
 use crate::state::structure::State;

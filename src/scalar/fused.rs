@@ -80,6 +80,28 @@ pub(crate) fn compute<A, B, R>(
 #[cfg(all(target_arch = "x86_64", not(target_feature = "fma")))]
 mod processor {
     use std::arch::is_x86_feature_detected as has;
+    use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+
+    /// Instructions that a processor may have; the tests take longer than reading their result.
+    const UNKNOWN: u8 = 0;
+    const NONE: u8 = 1;
+    const AVX2: u8 = 2;
+    const AVX512: u8 = 3;
+    static KNOWN: AtomicU8 = AtomicU8::new(UNKNOWN);
+
+    #[cold]
+    #[inline(never)]
+    fn test() -> u8 {
+        let has_avx2 = has!("avx2") && has!("bmi1") && has!("bmi2") && has!("fma");
+        let has_avx512 = has!("avx512f") && has!("avx512vbmi2");
+        let found = match (has_avx2, has_avx512) {
+            (false, _) => NONE,
+            (true, false) => AVX2,
+            (true, true) => AVX512,
+        };
+        KNOWN.store(found, Relaxed);
+        found
+    }
 
     /// The result of [`compute`](super::compute), chosen at run time.
     #[expect(
@@ -93,16 +115,15 @@ mod processor {
         kernel: impl FnOnce(&A, &mut B) -> R,
         otherwise: impl FnOnce(&A, &mut B) -> R,
     ) -> R {
-        if !(has!("avx2") && has!("bmi1") && has!("bmi2") && has!("fma")) {
-            return otherwise(fixed, work);
-        }
+        let known = match KNOWN.load(Relaxed) {
+            UNKNOWN => test(),
+            known => known,
+        };
         // SAFETY: the processor has all features that the function called is compiled for.
-        unsafe {
-            if has!("avx512vbmi2") {
-                with_avx512(fixed, work, kernel)
-            } else {
-                with_avx2(fixed, work, kernel)
-            }
+        match known {
+            AVX512 => unsafe { with_avx512(fixed, work, kernel) },
+            AVX2 => unsafe { with_avx2(fixed, work, kernel) },
+            _ => otherwise(fixed, work),
         }
     }
 

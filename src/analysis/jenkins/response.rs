@@ -417,10 +417,7 @@ impl Forced {
 impl Determinant {
     fn of(matrix: &Matrix) -> Self {
         let minor = |i: usize, j: usize| {
-            let [p, q] = [
-                matrix[1][i] * matrix[2][j],
-                matrix[1][j] * matrix[2][i],
-            ];
+            let [p, q] = [matrix[1][i] * matrix[2][j], matrix[1][j] * matrix[2][i]];
             (p - q, p.abs() + q.abs())
         };
         let terms = [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(column, i, j)| {

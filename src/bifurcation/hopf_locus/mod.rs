@@ -8,10 +8,10 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use self::equations::{Bordered, HopfPoints};
+use crate::belt::Criticality;
 use crate::error::Error;
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
-use crate::belt::Criticality;
 use crate::orbit::{LocusEnd, Oscillator, SpecialKind, member};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
