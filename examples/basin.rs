@@ -7,7 +7,7 @@
 //! * the unstable cycle is the border between the two basins.
 //!
 //! The picture is a PGM file, which most image viewers can show. Run it with
-//! `cargo run --release --example basin > basin.pgm`.
+//! `cargo run --release -p stick-slip-examples --example basin > basin.pgm`.
 
 use stick_slip::limit_cycle::{Attractor, basins};
 use stick_slip::{Error, MassOnBelt, State, Stribeck};

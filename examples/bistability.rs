@@ -11,7 +11,7 @@
 //! * `bifurcation` gives the range of belt velocities in which both attractors exist, and
 //!   `bifurcation::diagram` gives all cycles over the belt velocity.
 //!
-//! Run it with `cargo run --release --example bistability`.
+//! Run it with `cargo run --release -p stick-slip-examples --example bistability`.
 
 use stick_slip::limit_cycle::{Attractor, attractor};
 use stick_slip::{CycleSet, Error, Exponential, MassOnBelt, State};

@@ -20,7 +20,7 @@
 //! J. H. Griffin, *Friction damping of resonant stresses in gas turbine engine airfoils*, J. Eng.
 //! Power 102 (1980) 329-333, found such an optimum for one blade with a damper to the ground.
 //!
-//! Run it with `cargo run --release --example blade_damper`.
+//! Run it with `cargo run --release -p stick-slip-examples --example blade_damper`.
 
 use std::f64::consts::TAU;
 

@@ -17,9 +17,10 @@
 //!   simulations reach it;
 //! * the folds are computed to round-off, not read from a curve.
 //!
-//! Run it with `cargo run --release --example bolted_beam`; it takes a minute. With a file name
-//! after `--`, it writes the curves of three forces to this file instead, which takes some minutes.
-//! The package `examples/figures` draws such a file, `examples/figures/bolted_beam.csv`.
+//! Run it with `cargo run --release -p stick-slip-examples --example bolted_beam`; it takes a
+//! minute. With a file name after `--`, it writes the curves of three forces to this file instead,
+//! which takes some minutes. The package `examples/figures` draws such a file,
+//! `examples/figures/bolted_beam.csv`.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;

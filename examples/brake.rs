@@ -14,7 +14,7 @@
 //! The model is one mass: the pad with its caliper on the elastic suspension, pressed on a disc
 //! that creeps.
 //!
-//! Run it with `cargo run --release --example brake`.
+//! Run it with `cargo run --release -p stick-slip-examples --example brake`.
 
 use stick_slip::analysis::design::stabilizing_damping;
 use stick_slip::{Error, LimitCycle, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};

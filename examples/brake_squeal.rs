@@ -24,7 +24,7 @@
 //! Source of the mechanism: N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun. 29
 //! (2002) 197-205. The numbers are typical values.
 //!
-//! Run it with `cargo run --release --example brake_squeal`.
+//! Run it with `cargo run --release -p stick-slip-examples --example brake_squeal`.
 
 use std::f64::consts::TAU;
 

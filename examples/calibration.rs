@@ -15,7 +15,7 @@
 //! Here all quantities are dimensionless. For measurements in SI units, replace `MassOnBelt` by
 //! `PhysicalMassOnBelt`; nothing else changes.
 //!
-//! Run it with `cargo run --release --example calibration`.
+//! Run it with `cargo run --release -p stick-slip-examples --example calibration`.
 
 use stick_slip::nalgebra::{Matrix2, Matrix3x2, Vector2, Vector3};
 use stick_slip::{Error, MassOnBelt, Polynomial, limit_cycle};

@@ -11,7 +11,7 @@
 //!   the mass sticks;
 //! * threads can share systems: here each thread computes a part of the range.
 //!
-//! Run it with `cargo run --release --example chaos`.
+//! Run it with `cargo run --release -p stick-slip-examples --example chaos`.
 
 use stick_slip::orbit::{self, LyapunovExponent};
 use stick_slip::structure::State;

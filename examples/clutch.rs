@@ -14,7 +14,7 @@
 //! J_1 ω_1' = T_e − T,   J_2 ω_2' = T − T_l,   T = μ n N(t) R   while it slips
 //! ```
 //!
-//! Run it with `cargo run --release --example clutch`.
+//! Run it with `cargo run --release -p stick-slip-examples --example clutch`.
 
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Direction, Drive, Error, EventKind, Structure};

@@ -12,7 +12,7 @@
 //!   deflection at which bristles begin to yield. Steps are short there, but as accurate as
 //!   elsewhere.
 //!
-//! Run it with `cargo run --release --example custom_contact_law`.
+//! Run it with `cargo run --release -p stick-slip-examples --example custom_contact_law`.
 
 use std::f64::consts::{PI, TAU};
 

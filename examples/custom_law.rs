@@ -9,7 +9,7 @@
 //! * your law has the same functions as a built-in law: events, limit cycles, bifurcation
 //!   velocities.
 //!
-//! Run it with `cargo run --release --example custom_law`.
+//! Run it with `cargo run --release -p stick-slip-examples --example custom_law`.
 
 use stick_slip::{FrictionLaw, MassOnBelt, Scalar, State, bifurcation, limit_cycle};
 

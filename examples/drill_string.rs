@@ -9,7 +9,7 @@
 //! * `steady_sliding` shows the speeds at which the string can rotate steadily. At lower speeds the
 //!   bit stops and breaks free again, and then rotates several times faster than the table.
 //!
-//! Run it with `cargo run --release --example drill_string`.
+//! Run it with `cargo run --release -p stick-slip-examples --example drill_string`.
 
 use std::f64::consts::TAU;
 

@@ -15,7 +15,7 @@
 //! * the start is a parameter like any other. Fit every unknown quantity; otherwise its error
 //!   changes the coefficients.
 //!
-//! Run it with `cargo run --release --example fit`.
+//! Run it with `cargo run --release -p stick-slip-examples --example fit`.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra_of_fit::{DMatrix, DVector, Dyn, Owned};

@@ -8,7 +8,7 @@
 //! * without damping, friction bounds the amplitude at resonance only if it exceeds π/4 of the
 //!   force.
 //!
-//! Run it with `cargo run --release --example forced`.
+//! Run it with `cargo run --release -p stick-slip-examples --example forced`.
 
 use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
 use stick_slip::structure::State;

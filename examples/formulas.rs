@@ -14,7 +14,7 @@
 //!   the error of A1 falls by the factor 2, the error of A0 by 4, and the errors of the corrected
 //!   formulas by 8 with stick and by 16 without stick.
 //!
-//! Run it with `cargo run --release --example formulas`.
+//! Run it with `cargo run --release -p stick-slip-examples --example formulas`.
 
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
 use stick_slip::{Error, MassOnBelt, Polynomial, limit_cycle};

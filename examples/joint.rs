@@ -18,7 +18,7 @@
 //! x'' + 0.02 x' + 0.6 x + T = P cos ωt,    T: spring 0.4, slider of limit 0.3
 //! ```
 //!
-//! Run it with `cargo run --release --example joint`.
+//! Run it with `cargo run --release -p stick-slip-examples --example joint`.
 
 use stick_slip::analysis::jenkins::{SymmetricResponse, backbone, first_harmonic};
 use stick_slip::orbit::{self, Period};

@@ -13,7 +13,7 @@
 //! * this friction is not passive: `analysis::lugre` gives the viscosity that would make it
 //!   passive.
 //!
-//! Run it with `cargo run --release --example lugre`.
+//! Run it with `cargo run --release -p stick-slip-examples --example lugre`.
 
 use stick_slip::analysis::lugre::{contact_vibration, passive_viscosity, steady_bristles};
 use stick_slip::structure::State;

@@ -10,9 +10,9 @@
 //!   3 %, and the speed at which sliding becomes stable differs by 15 %, because it depends on the
 //!   slope of the law.
 //!
-//! Run it with `cargo run --release --example measured_law`, or with your own file in the format of
-//! `examples/friction.csv` (lines that begin with # are comments, one line of headings, then speed
-//! in m/s and one column for each run): `cargo run --release --example measured_law -- my.csv`.
+//! Run it with `cargo run --release -p stick-slip-examples --example measured_law`, or with
+//! your own file (add `-- my.csv`) in the format of `examples/friction.csv`: lines that begin with
+//! `#` are comments; then one line of headings, then speed in m/s and one column for each run.
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -10,7 +10,7 @@
 //! * every fold, flip and change of the events is returned with its exact frequency, and a branch
 //!   contains the reasons for its ends.
 //!
-//! Run it with `cargo run --release --example resonance`.
+//! Run it with `cargo run --release -p stick-slip-examples --example resonance`.
 
 use stick_slip::orbit::{self, Period};
 use stick_slip::structure::State;

@@ -9,7 +9,7 @@
 //! * with damping stick-slip disappears at a fold, with a finite amplitude. Just below the fold the
 //!   start decides whether the mass sticks.
 //!
-//! Run it with `cargo run --release --example rising_static_friction`.
+//! Run it with `cargo run --release -p stick-slip-examples --example rising_static_friction`.
 
 use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::structure::State;

@@ -8,8 +8,8 @@
 //! * the sound that one hears is nearly proportional to the acceleration of a surface;
 //! * a WAV file is 44 bytes of header and the samples.
 //!
-//! Run it with `cargo run --release --example sound -- groan.wav`; without a file name it prints a
-//! summary of the sound.
+//! Run it with `cargo run --release -p stick-slip-examples --example sound -- groan.wav`;
+//! without a file name it prints a summary of the sound.
 
 use stick_slip::orbit::{self, Period};
 use stick_slip::structure::State;

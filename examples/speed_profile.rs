@@ -11,7 +11,7 @@
 //!   smaller. Simulations of slow profiles should therefore include the disturbances of the
 //!   machine.
 //!
-//! Run it with `cargo run --release --example speed_profile`.
+//! Run it with `cargo run --release -p stick-slip-examples --example speed_profile`.
 
 use stick_slip::structure::State;
 use stick_slip::{Contact, Drive, Error, EventKind, Exponential, Structure};

@@ -8,7 +8,7 @@
 //!   sticks, or none;
 //! * this motion is stable: a small perturbation of the start remains small, as printed at the end.
 //!
-//! Run it with `cargo run --release --example two_blocks`.
+//! Run it with `cargo run --release -p stick-slip-examples --example two_blocks`.
 
 use stick_slip::structure::State;
 use stick_slip::{Contact, Error, Mode, Rational, Structure, Trajectory};

@@ -154,7 +154,7 @@
 //!   states in every bit: `structures::identities::mirror_images_agree_to_the_bit`,
 //!   `structures::identities::clones_stay_together_to_the_bit`.
 //! * **Phase.** The phase of a drive stays exact after any number of periods:
-//!   `structures::identities::a_million_periods_lose_no_phase`.
+//!   `structures::identities::many_periods_lose_no_phase`.
 //! * **One mass on a belt** has the same motion as a `MassOnBelt` and as a `Structure`, two
 //!   separate engines: `structures::two_engines::reference_motions_of_the_belt`,
 //!   `structures::two_engines::random_belts`.

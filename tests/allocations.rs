@@ -5,16 +5,14 @@
 //! write `unsafe`.
 #![allow(unsafe_code)]
 
-mod common;
-
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use common::{Decay, Leine, Table, paper};
 use stick_slip::{
     AnyContactLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, Integrator, LuGre,
     MassOnBelt, Scalar, Segment, State, Structure, structure,
 };
+use stick_slip_tests_common::{Decay, Leine, Table, paper};
 
 /// Counts what this thread asks for; other threads of the test runner do not disturb.
 struct Counting;

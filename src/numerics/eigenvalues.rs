@@ -93,6 +93,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::numerics::testing::count;
 
     /// The largest distance of a value from the one that is expected next to it.
     fn apart(mut found: Vec<Complex<f64>>, expected: &[Complex<f64>]) -> f64 {
@@ -120,7 +121,7 @@ mod tests {
 
     #[test]
     fn cyclic_permutations_have_the_roots_of_unity() {
-        for order in 1..=24 {
+        for order in 1..=count(16, 24).min(24) {
             for (sign, begin) in [(1.0, 0.0), (-1.0, 0.5)] {
                 let angles = (0..order).map(|k| TAU * (k as f64 + begin) / order as f64);
                 let expected: Vec<_> = angles.map(Complex::cis).collect();

@@ -1,4 +1,13 @@
-//! Shared by the tests of this module.
+//! Shared by unit tests.
+
+/// Number of cases: a few in a usual run, all with the variable `FULL=1`, n times all with
+/// `FULL=n`.
+pub(crate) fn count(few: usize, all: usize) -> usize {
+    match std::env::var("FULL") {
+        Ok(times) => all * times.parse::<usize>().expect("FULL: a whole number"),
+        Err(_) => few,
+    }
+}
 
 /// Numbers in −1 ≤ y < 1 without any order.
 pub(crate) fn rough(x: f64) -> f64 {

@@ -615,6 +615,13 @@ fn operations_agree_with_each_other() {
 /// More operations than there are rows kept in place, and every number of rows around that limit.
 #[test]
 fn a_law_may_have_any_number_of_operations() {
+    // Nested as deeply as no law is: unoptimised, they take more stack than a test has.
+    let test = std::thread::Builder::new().stack_size(1 << 24);
+    let test = test.spawn(many_operations).unwrap();
+    test.join().unwrap();
+}
+
+fn many_operations() {
     let s = SPEED;
     for inner in &[wavy(0.7), wavy(0.0)] {
         // 14 rounds of sin, +, tanh and a product: 56 operations that own rows.

@@ -17,12 +17,10 @@ use crate::belt::Stepper;
 use crate::clock::Time;
 use crate::friction::slip::SlipPoint;
 use crate::friction::{Exponential, Polynomial};
+use crate::numerics::testing::count;
 use crate::state::{Direction, State};
 
 const DEGREE: usize = TERMS - 1;
-
-/// Environment variable that asks for another number of cases, and the number without it.
-const CASES: (&str, u64) = ("STICK_SLIP_ATTACK_CASES", 6000);
 
 /// A root's place can be judged if the root is known to within this part of its time.
 const SHARP: f64 = 1e-3;
@@ -618,8 +616,7 @@ fn a_root_close_to_one_at_the_start_is_found() {
 
 #[test]
 fn no_planted_root_is_missed_and_none_invented() {
-    let (variable, usual) = CASES;
-    let cases = std::env::var(variable).map_or(usual, |n| n.parse().expect("a number of cases"));
+    let cases = count(400, 6000) as u64;
     let judge = Judge::new();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let mut tally = Tally::default();

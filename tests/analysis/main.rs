@@ -1,7 +1,6 @@
 //! Analytic formulas, against the exact motions.
 
-#[path = "../common/mod.rs"]
-mod common;
+use stick_slip_tests_common as common;
 
 mod averaging;
 mod formulas;

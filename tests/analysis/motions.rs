@@ -25,15 +25,15 @@
 //! places alone; a fourth, much smaller x has to keep to it. An error of lower order would have
 //! grown, beside xᵖ, by a power of the distance. No constant is fitted to what was measured.
 //!
-//! Cases are the same in every run, others with `PROPTEST_RNG_SEED`, more with `PROPTEST_CASES`;
-//! those that failed once are kept in `tests/proptest-regressions`. `--nocapture` prints the
-//! largest part of each bound that was used.
+//! Cases are the same in every run, others with `PROPTEST_RNG_SEED`; those that failed once are
+//! kept in `tests/proptest-regressions`. `--nocapture` prints the largest part of each bound that
+//! was used.
 
 mod exact;
 mod small;
 mod weak;
 
-use crate::common::on_belt;
+use crate::common::{count, on_belt};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Formatter};
@@ -94,17 +94,17 @@ fn reach(nodes: &[f64]) -> f64 {
     nodes.iter().map(weight).sum()
 }
 
-/// Runs a property on 256 cases.
+/// Runs a property on 64 cases, or on 256.
 fn check<S: Strategy + 'static>(
     cases: S,
     property: impl Fn(S::Value, &Bounds) -> Verdict + 'static,
 ) {
-    check_some(256, cases, property);
+    check_some(count(64, 256), cases, property);
 }
 
 /// Runs a property. Every bound has to have been looked at in a quarter of the cases.
 fn check_some<S: Strategy + 'static>(
-    count: u32,
+    count: usize,
     cases: S,
     property: impl Fn(S::Value, &Bounds) -> Verdict + 'static,
 ) {
@@ -131,17 +131,17 @@ impl Debug for Case {
     }
 }
 
-fn run(count: u32, cases: &BoxedStrategy<Case>) {
+fn run(count: usize, cases: &BoxedStrategy<Case>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-            "tests/proptest-regressions/motions.txt",
+            "proptest-regressions/motions.txt",
         ))),
         max_shrink_iters: 2000,
         max_global_rejects: 10_000,
         ..Config::default()
     };
     if std::env::var_os("PROPTEST_CASES").is_none() {
-        config.cases = count;
+        config.cases = count as u32;
     }
     if config.rng_seed == RngSeed::Random {
         config.rng_seed = RngSeed::Fixed(1);

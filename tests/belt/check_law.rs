@@ -1,6 +1,7 @@
 //! A law looked at before it is used: every fault is found where it lies, and the crate's own laws
 //! have none.
 
+use crate::common::count;
 use crate::common::polynomials::Polynomials;
 use crate::common::property::for_all;
 use approx::assert_abs_diff_eq;
@@ -254,7 +255,7 @@ fn a_narrow_bump_is_found_wherever_it_lies() {
         one(at, width, height).unwrap();
     }
     let ranges = [0.0..1.0, -3.0..-1.65, -4.0..-0.5];
-    for_all(1024, ranges, |[place, width, height]| {
+    for_all(count(128, 1024), ranges, |[place, width, height]| {
         let width = 10.0_f64.powf(width);
         // Between the ends, where it shows at none.
         let at = 7.0 * width + place * (2.0 - 14.0 * width);
@@ -262,7 +263,7 @@ fn a_narrow_bump_is_found_wherever_it_lies() {
     });
     // And none that is wide enough is called narrow.
     for_all(
-        256,
+        count(64, 256),
         [0.0..2.0, -1.3..0.0, -4.0..-0.5],
         |[at, width, height]| {
             let (width, height) = (10.0_f64.powf(width), 10.0_f64.powf(height));
@@ -323,7 +324,7 @@ fn the_laws_of_the_crate_have_no_faults() {
         0.0..1.0,
         0.01..10.0,
     ];
-    for_all(256, ranges, |[numbers @ .., end]| {
+    for_all(count(64, 256), ranges, |[numbers @ .., end]| {
         let law = law_of_the_crate(numbers);
         let mut found = check_law(&law, 0.0..end).unwrap();
         // A table that dips within a narrow part of the range, or falls from rest.
@@ -361,7 +362,7 @@ fn a_kink_is_found_wherever_it_lies() {
             (s - self.at).abs() * self.by + (-s).exp() * 0.2 + 0.2
         }
     }
-    for_all(256, [0.01..1.99, -3.0..1.0], |[at, exponent]| {
+    for_all(count(64, 256), [0.01..1.99, -3.0..1.0], |[at, exponent]| {
         let by = 10.0_f64.powf(exponent);
         let found = faults(&Kinked { at, by });
         let [

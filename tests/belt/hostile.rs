@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use crate::common::any::Any;
 use crate::common::orbit::integrate;
-use crate::common::{on_belt, ulp};
+use crate::common::{count, on_belt, ulp};
 use cases::{Case, check, magnitude, series, sigma, value};
 use proptest::prelude::*;
 use stick_slip::{
@@ -24,7 +24,7 @@ const EPS: f64 = f64::EPSILON;
 #[test]
 fn every_run_ends_with_a_result_or_a_typed_error() {
     let ends = RefCell::new(BTreeMap::<&str, u32>::new());
-    check(6000, |case| {
+    check(count(800, 6000), |case| {
         let (steps, error) = case.run();
         prop_assert!(steps.len() <= cases::MOST_STEPS);
         let end = match error {
@@ -50,7 +50,7 @@ fn every_run_ends_with_a_result_or_a_typed_error() {
 /// join without a gap.
 #[test]
 fn times_are_in_order() {
-    check(2000, |case| {
+    check(count(250, 2000), |case| {
         let (steps, _) = case.run();
         let mut time = 0.0;
         let (mut phase, mut last_event) = (0.0, None);
@@ -76,7 +76,7 @@ fn times_are_in_order() {
 /// series.
 #[test]
 fn states_are_continuous() {
-    check(2000, |case| {
+    check(count(250, 2000), |case| {
         let (steps, _) = case.run();
         let v_b = case.system.belt_velocity();
         let Some(first) = steps.first() else {
@@ -120,7 +120,7 @@ fn states_are_continuous() {
 /// the band or at its open end.
 #[test]
 fn it_sticks_in_the_band_and_slips_outside() {
-    check(2000, |case| {
+    check(count(250, 2000), |case| {
         let (steps, _) = case.run();
         let system = &case.system;
         let v_b = system.belt_velocity();
@@ -193,7 +193,7 @@ fn stays_above(bernstein: &[f64], allowed: f64, depth: u32) -> bool {
 /// step and not by samples.
 #[test]
 fn relative_velocity_keeps_its_sign_inside_a_slip_phase() {
-    check(1000, |case| {
+    check(count(150, 1000), |case| {
         let (steps, _) = case.run();
         for step in steps.iter().filter(|step| step.mode() != Mode::Stick) {
             let h = step.duration().min(case.duration);
@@ -267,7 +267,7 @@ fn energy_defect(case: &Case, steps: &[Step]) -> f64 {
 #[test]
 fn energy_balances() {
     let worst = Cell::new(0.0_f64);
-    check(1000, |case| {
+    check(count(150, 1000), |case| {
         let (steps, _) = case.run();
         let defect = energy_defect(&case, &steps);
         worst.set(worst.get().max(defect));
@@ -280,7 +280,7 @@ fn energy_balances() {
 /// (u, v, v_b) → (−u, −v, −v_b) changes nothing but the signs.
 #[test]
 fn motion_in_a_mirror_is_the_same_to_the_bit() {
-    check(1500, |case| {
+    check(count(200, 1500), |case| {
         let (steps, error) = case.run();
         let (mirrored, mirrored_error) = case.mirrored().run();
         prop_assert_eq!(steps.len(), mirrored.len());
@@ -304,7 +304,7 @@ fn motion_in_a_mirror_is_the_same_to_the_bit() {
 /// Lengths in units 2^k times as large change nothing but the exponents.
 #[test]
 fn other_units_of_length_change_no_bit() {
-    check(1000, |case| {
+    check(count(150, 1000), |case| {
         for unit in [2.0_f64.powi(-20), 2.0_f64.powi(30)] {
             let Case {
                 system,
@@ -354,7 +354,7 @@ fn other_units_of_length_change_no_bit() {
 #[test]
 fn restart_in_mid_phase_gives_the_same_events() {
     let (ratios, undecided) = (RefCell::new(Vec::new()), Cell::new(0));
-    check(10_000, |case| {
+    check(count(500, 10_000), |case| {
         let (steps, error) = case.run();
         if error.is_some() {
             return Ok(());
@@ -465,9 +465,10 @@ fn a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies() {
     let system = on_belt(Any::Crate(law.into()), v_b, 0.0, 4e-3);
     let centre = 4e-3 * 0.1;
     let mut worst = 0.0_f64;
-    for i in 0..400 {
-        // On a circle that comes within 0.03 of the belt's velocity, seen from i places on it.
-        let phase = f64::from(i) * std::f64::consts::TAU / 400.0;
+    let places = count(80, 400);
+    for i in 0..places {
+        // On a circle that comes within 0.03 of the belt's velocity, seen from places on it.
+        let phase = i as f64 * std::f64::consts::TAU / places as f64;
         let radius = v_b - 0.03;
         let case = Case {
             start: State::new(centre + radius * phase.sin(), radius * phase.cos()),

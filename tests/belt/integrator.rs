@@ -7,7 +7,7 @@ use approx::assert_abs_diff_eq;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::common::simple::{Seen, Simple, told};
-use crate::common::{Decay, Leine, Random, Table, on_belt, paper, ulp};
+use crate::common::{Decay, Leine, Random, Table, count, on_belt, paper, ulp};
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator,
     MassOnBelt, Mode, Polynomial, Scalar, Segment, State, Step, Trajectory,
@@ -49,11 +49,11 @@ fn scale<L: FrictionLaw>(system: &MassOnBelt<L>, state: State) -> f64 {
 /// in the power series at s = 1.
 #[test]
 fn promise_1_hidden_terms_are_not_missed() {
-    const RUNS: usize = 3000;
+    let runs = count(300, 3000);
     const ALLOWED: f64 = 1e-7;
     let mut random = Random::new(1);
     let (mut wrong, mut worst, mut uncertainty, mut seen) = (0, 0.0_f64, 0.0_f64, 0);
-    for run in 0..RUNS {
+    for run in 0..runs {
         let top = random.uniform(0.2, 0.8);
         let least = top * random.uniform(0.3, 0.95);
         let width = random.uniform(0.005, 0.05);
@@ -114,10 +114,10 @@ fn promise_1_hidden_terms_are_not_missed() {
         }
     }
     println!(
-        "hidden terms: {wrong} of {RUNS} wrong, {seen} events; largest difference {worst:.1e}, \
+        "hidden terms: {wrong} of {runs} wrong, {seen} events; largest difference {worst:.1e}, \
          {uncertainty:.1e} with half the steps"
     );
-    assert!(seen > RUNS);
+    assert!(seen > runs);
     assert!(uncertainty <= 0.1 * ALLOWED, "{uncertainty:e}");
     assert_eq!(wrong, 0);
 }
@@ -1119,10 +1119,10 @@ fn release_by_hand(system: &MassOnBelt<AnyLaw>) -> [f64; 6] {
 /// the same to round-off.
 #[test]
 fn release_state_releases_at_time_zero() {
-    const SYSTEMS: usize = 10_000;
+    let systems = count(1000, 10_000);
     let mut random = Random::new(31);
     let (mut worst, mut different, mut compared, mut grazing) = (0.0_f64, 0, 0, 0);
-    for n in 0..SYSTEMS {
+    for n in 0..systems {
         let system = random.system();
         let v_b = system.belt_velocity();
         let release = system.release_state().unwrap();
@@ -1180,10 +1180,10 @@ fn release_state_releases_at_time_zero() {
     println!(
         "release by hand: {different} of {} written differently in bits; next event off by \
          {worst:.1e} at most; {compared} compared, {grazing} nearly grazing",
-        6 * SYSTEMS
+        6 * systems
     );
-    assert!(different > SYSTEMS / 10);
-    assert!(compared > SYSTEMS);
+    assert!(different > systems / 10);
+    assert!(compared > systems);
     assert!(worst <= 1e-13, "{worst:e}");
 }
 

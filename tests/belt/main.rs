@@ -1,7 +1,6 @@
 //! Motions of one mass on its belt: every step, event and error.
 
-#[path = "../common/mod.rs"]
-mod common;
+use stick_slip_tests_common as common;
 
 mod broken_laws;
 mod check_law;

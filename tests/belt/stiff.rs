@@ -2,15 +2,12 @@
 
 use crate::common::any::{cubic, rational};
 use crate::common::simple::{Seen, told};
-use crate::common::{Random, on_belt};
+use crate::common::{Random, count, on_belt};
 use crate::radau::{Motion, Radau};
 use stick_slip::{
     AnyLaw, Exponential, FrictionLaw, Integrator, MassOnBelt, Polynomial, Rational, State,
     Stribeck, Tabulated,
 };
-
-/// Systems of the usual run; the variable of this name asks for more.
-const SYSTEMS: (&str, usize) = ("STICK_SLIP_STIFF_SYSTEMS", 1000);
 
 /// Largest difference between the crate's motion and the witness's, of s and of u in parts of
 /// themselves, of event times in parts of the time; and whether the events are the same.
@@ -96,8 +93,7 @@ fn stiff(i: usize) -> Option<(MassOnBelt<AnyLaw>, State, f64)> {
 
 #[test]
 fn stiff_motions_are_those_of_an_implicit_method() {
-    let (variable, usual) = SYSTEMS;
-    let systems = std::env::var(variable).map_or(usual, |n| n.parse().expect("a number"));
+    let systems = count(300, 3000);
     let radau = Radau::new(1e-13);
     let (mut judged, mut steps, mut worst) = (0, [0; 2], [0.0; 3]);
     let mut wrong = Vec::new();

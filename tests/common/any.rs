@@ -5,11 +5,11 @@ use stick_slip::{
     Rational, Scalar, Stribeck, Tabulated,
 };
 
-use super::{Decay, Leine, Random, Table, on_belt};
+use crate::{Decay, Leine, Random, Table, on_belt};
 
 /// Any law of the crate or of the tests.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Any {
+pub enum Any {
     Crate(AnyLaw),
     Leine(Leine),
     Decay(Decay),
@@ -19,11 +19,11 @@ pub(crate) enum Any {
 
 /// μ̂(s) = μ_s − d s/(1 + s) + a (cos ks − 1): falls, and waves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Wave {
-    pub(crate) static_coefficient: f64,
-    pub(crate) fall: f64,
-    pub(crate) height: f64,
-    pub(crate) number: f64,
+pub struct Wave {
+    pub static_coefficient: f64,
+    pub fall: f64,
+    pub height: f64,
+    pub number: f64,
 }
 
 impl FrictionLaw for Wave {
@@ -93,16 +93,12 @@ impl FrictionLaw for Any {
 
 impl Any {
     /// How many kinds [`of_kind`](Self::of_kind) knows.
-    pub(crate) const KINDS: usize = 10;
+    pub const KINDS: usize = 10;
 
     /// A law of one kind: from μ_s = top down to a part `least` of it over a speed `width`; then it
     /// rises by a `part` of its fall, if it can. A rational law rises by as much times `quadratic`,
     /// with the square of the speed.
-    pub(crate) fn of_kind(
-        kind: usize,
-        [top, least, width, part]: [f64; 4],
-        quadratic: f64,
-    ) -> Self {
+    pub fn of_kind(kind: usize, [top, least, width, part]: [f64; 4], quadratic: f64) -> Self {
         let least = least * top;
         let rise = part * (top - least);
         let law: AnyLaw = match kind {
@@ -164,7 +160,7 @@ impl Any {
 }
 
 /// A rational law of all its terms.
-pub(crate) fn rational(top: f64, decay: f64, offset: f64, quadratic: f64) -> AnyLaw {
+pub fn rational(top: f64, decay: f64, offset: f64, quadratic: f64) -> AnyLaw {
     Rational::new(top, decay)
         .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
         .unwrap()
@@ -172,17 +168,17 @@ pub(crate) fn rational(top: f64, decay: f64, offset: f64, quadratic: f64) -> Any
 }
 
 /// The paper's cubic law.
-pub(crate) fn cubic(top: f64, least: f64, velocity: f64) -> AnyLaw {
+pub fn cubic(top: f64, least: f64, velocity: f64) -> AnyLaw {
     Polynomial::new(top, least, velocity).unwrap().into()
 }
 
 impl Random {
     /// How many kinds [`any_law`](Self::any_law) knows.
-    pub(crate) const KINDS: usize = 11;
+    pub const KINDS: usize = 11;
 
     /// A law of one kind, with μ_s in [0.2, 0.8); it falls to 0.3 to 1 of that, and most may rise
     /// again.
-    pub(crate) fn any_law(&mut self, kind: usize) -> Any {
+    pub fn any_law(&mut self, kind: usize) -> Any {
         let top = self.uniform(0.2, 0.8);
         let least = top * self.uniform(0.3, 1.0);
         let width = self.uniform(0.1, 1.0);
@@ -255,7 +251,7 @@ impl Random {
 
     /// A system with a law of one kind: 0.03 ≤ |v_b| < 2 with either sign, β = 0 or 10⁻⁴ ≤ β < 0.4,
     /// 0.01 ≤ γ² < 5.
-    pub(crate) fn any_system(&mut self, kind: usize) -> MassOnBelt<Any> {
+    pub fn any_system(&mut self, kind: usize) -> MassOnBelt<Any> {
         let law = self.any_law(kind);
         let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
         let damping = if self.bits().is_multiple_of(8) {
@@ -268,10 +264,7 @@ impl Random {
 }
 
 /// Random systems, so many of each law, with what to say of one that fails.
-pub(crate) fn systems(
-    seed: u64,
-    of_each: usize,
-) -> impl Iterator<Item = (String, MassOnBelt<Any>)> {
+pub fn systems(seed: u64, of_each: usize) -> impl Iterator<Item = (String, MassOnBelt<Any>)> {
     let mut random = Random::new(seed);
     (0..of_each * Random::KINDS).map(move |i| {
         let system = random.any_system(i % Random::KINDS);

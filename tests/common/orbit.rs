@@ -31,7 +31,7 @@ static RULE: LazyLock<[(f64, f64); 20]> = LazyLock::new(|| {
 });
 
 /// ∫ over [0, h] by Gauss-Legendre rules of 20 points, on 4 pieces.
-pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+pub fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let width = h / 4.0;
     let mut sum = 0.0;
     for (x, weight) in *RULE {
@@ -44,7 +44,7 @@ pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
 
 /// What a simulated turn comes to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Turn {
+pub enum Turn {
     /// Again at a velocity maximum V, or at a downward crossing at u.
     Returns(f64),
     /// Up to the belt, or in stick.
@@ -56,13 +56,13 @@ pub(crate) enum Turn {
 const TURN: f64 = 60.0;
 
 /// The state with the velocity maximum V, for v_b > 0.
-pub(crate) fn at_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> State {
+pub fn at_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> State {
     let friction = system.load() * system.law().kinetic(system.belt_velocity() - peak);
     State::new(friction - 2.0 * system.damping() * peak, peak)
 }
 
 /// The next velocity maximum below v_b > 0 after the one at V.
-pub(crate) fn next_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Turn {
+pub fn next_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Turn {
     let mut backwards = false;
     for step in Integrator::new()
         .flow(system, at_peak(system, peak))
@@ -108,7 +108,7 @@ pub(crate) fn next_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Tu
 }
 
 /// The next downward crossing after one at u, beyond the release point, for v_b > 0.
-pub(crate) fn next_crossing<L: FrictionLaw>(system: &MassOnBelt<L>, displacement: f64) -> Turn {
+pub fn next_crossing<L: FrictionLaw>(system: &MassOnBelt<L>, displacement: f64) -> Turn {
     let start = State::new(displacement, system.belt_velocity());
     for step in Integrator::new().flow(system, start).unwrap() {
         let step: Step = step.unwrap();
@@ -132,7 +132,7 @@ pub(crate) fn next_crossing<L: FrictionLaw>(system: &MassOnBelt<L>, displacement
 }
 
 /// Least and largest displacement over the last `window` of a run.
-pub(crate) fn settles<L: FrictionLaw>(
+pub fn settles<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     start: State,
     duration: f64,
@@ -156,12 +156,12 @@ pub(crate) fn settles<L: FrictionLaw>(
 }
 
 /// The cycles of a system.
-pub(crate) fn find<L: FrictionLaw>(about: &str, system: &MassOnBelt<L>) -> CycleSet {
+pub fn find<L: FrictionLaw>(about: &str, system: &MassOnBelt<L>) -> CycleSet {
     limit_cycle::find(system).unwrap_or_else(|error| panic!("{about}: {error}"))
 }
 
 /// The largest of |u|, |v| and |v_b| on a cycle.
-pub(crate) fn size<L: FrictionLaw>(system: &MassOnBelt<L>, cycle: &LimitCycle) -> f64 {
+pub fn size<L: FrictionLaw>(system: &MassOnBelt<L>, cycle: &LimitCycle) -> f64 {
     [
         cycle.max_displacement(),
         cycle.min_displacement(),
@@ -174,7 +174,7 @@ pub(crate) fn size<L: FrictionLaw>(system: &MassOnBelt<L>, cycle: &LimitCycle) -
 }
 
 /// ∮ over a cycle, by the tests' own quadrature.
-pub(crate) fn around(cycle: &LimitCycle, mut integrand: impl FnMut(f64, State) -> f64) -> f64 {
+pub fn around(cycle: &LimitCycle, mut integrand: impl FnMut(f64, State) -> f64) -> f64 {
     cycle
         .trajectory()
         .steps()

@@ -5,7 +5,7 @@ use stick_slip::{FrictionLaw, Polynomial, Scalar};
 
 /// A polynomial of the sliding speed, or one for each range of speeds.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Polynomials {
+pub struct Polynomials {
     static_coefficient: f64,
     parts: Vec<Part>,
     /// Whether the speeds at which parts meet are named as breakpoints.
@@ -22,12 +22,12 @@ struct Part {
 
 impl Polynomials {
     /// Σ c_k s^k, or the first of several parts.
-    pub(crate) fn new(static_coefficient: f64, coefficients: &[f64]) -> Self {
+    pub fn new(static_coefficient: f64, coefficients: &[f64]) -> Self {
         Self::about(0.0, static_coefficient, coefficients)
     }
 
     /// Σ c_k (s − about)^k.
-    pub(crate) fn about(about: f64, static_coefficient: f64, coefficients: &[f64]) -> Self {
+    pub fn about(about: f64, static_coefficient: f64, coefficients: &[f64]) -> Self {
         let first = Part {
             from: 0.0,
             about,
@@ -41,7 +41,7 @@ impl Polynomials {
     }
 
     /// The same, with the static coefficient that leaves no jump at s = 0.
-    pub(crate) fn without_jump(about: f64, coefficients: &[f64]) -> Self {
+    pub fn without_jump(about: f64, coefficients: &[f64]) -> Self {
         let law = Self::about(about, f64::NAN, coefficients);
         Self {
             static_coefficient: law.kinetic(0.0),
@@ -50,7 +50,7 @@ impl Polynomials {
     }
 
     /// With one more part, Σ c_k (s − from)^k from this speed on.
-    pub(crate) fn then(mut self, from: f64, coefficients: &[f64]) -> Self {
+    pub fn then(mut self, from: f64, coefficients: &[f64]) -> Self {
         self.parts.push(Part {
             from,
             about: from,
@@ -60,7 +60,7 @@ impl Polynomials {
     }
 
     /// Names its breakpoints.
-    pub(crate) fn told(self) -> Self {
+    pub fn told(self) -> Self {
         Self { told: true, ..self }
     }
 
@@ -103,7 +103,7 @@ impl FrictionLaw for Polynomials {
 }
 
 /// The coefficients of the polynomial law about a speed.
-pub(crate) fn coefficients(law: &Polynomial, speed: f64) -> [f64; 4] {
+pub fn coefficients(law: &Polynomial, speed: f64) -> [f64; 4] {
     [(0, 1.0), (1, 1.0), (2, 2.0), (3, 6.0)]
         .map(|(n, factorial)| law.derivative(n, speed) / factorial)
 }

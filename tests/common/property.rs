@@ -8,8 +8,8 @@ use proptest::test_runner::{Config, TestCaseResult, TestRunner};
 /// Checks a property for so many draws of N numbers, each uniform in its range. A draw that fails
 /// is made as simple as it can be.
 #[track_caller]
-pub(crate) fn for_all<const N: usize>(
-    cases: u32,
+pub fn for_all<const N: usize>(
+    cases: usize,
     ranges: [Range<f64>; N],
     property: impl Fn([f64; N]) -> TestCaseResult,
 ) {
@@ -21,12 +21,12 @@ pub(crate) fn for_all<const N: usize>(
 
 fn check(
     file: &'static str,
-    cases: u32,
+    cases: usize,
     ranges: &Vec<Range<f64>>,
     property: &dyn Fn(Vec<f64>) -> TestCaseResult,
 ) {
     let config = Config {
-        cases,
+        cases: cases as u32,
         source_file: Some(file),
         ..Config::default()
     };

@@ -4,10 +4,10 @@
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer
 //! 1996, section IV.5.
 
-pub(crate) const STAGES: usize = 5;
+pub const STAGES: usize = 5;
 
-pub(crate) type Stages = [f64; STAGES];
-pub(crate) type Matrix = [Stages; STAGES];
+pub type Stages = [f64; STAGES];
+pub type Matrix = [Stages; STAGES];
 
 /// P_n(x).
 fn legendre(n: usize, x: f64) -> f64 {
@@ -20,7 +20,7 @@ fn legendre(n: usize, x: f64) -> f64 {
 }
 
 /// The weights a_ij of the method.
-pub(crate) fn weights() -> Matrix {
+pub fn weights() -> Matrix {
     // The nodes c are the roots of P_5(x) − P_4(x), x = 2c − 1; the last is 1.
     let f = |x: f64| legendre(STAGES, x) - legendre(STAGES - 1, x);
     let mut nodes = [1.0; STAGES];
@@ -69,13 +69,21 @@ pub(crate) fn weights() -> Matrix {
 }
 
 /// Solves a linear system by elimination with pivots.
-pub(crate) fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
-    for k in 0..N {
-        let largest = (k..N).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()));
+pub fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
+    let mut rows: Vec<&mut [f64]> = a.iter_mut().map(|row| &mut row[..]).collect();
+    eliminate(&mut rows, &mut b);
+    b
+}
+
+/// The same for any size: compiled here, with the level of this package.
+fn eliminate(a: &mut [&mut [f64]], b: &mut [f64]) {
+    let n = b.len();
+    for k in 0..n {
+        let largest = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()));
         let pivot = largest.unwrap();
         a.swap(k, pivot);
         b.swap(k, pivot);
-        for i in k + 1..N {
+        for i in k + 1..n {
             let factor = a[i][k] / a[k][k];
             let (above, below) = a.split_at_mut(i);
             for (x, y) in std::iter::zip(&mut below[0][k..], &above[k][k..]) {
@@ -84,11 +92,10 @@ pub(crate) fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f
             b[i] -= factor * b[k];
         }
     }
-    for k in (0..N).rev() {
-        for j in k + 1..N {
+    for k in (0..n).rev() {
+        for j in k + 1..n {
             b[k] -= a[k][j] * b[j];
         }
         b[k] /= a[k][k];
     }
-    b
 }

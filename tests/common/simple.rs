@@ -4,7 +4,7 @@
 use stick_slip::{Event, EventKind};
 
 /// The classical Runge-Kutta step from x at time t.
-pub(crate) fn runge_kutta<const N: usize>(
+pub fn runge_kutta<const N: usize>(
     t: f64,
     x: [f64; N],
     h: f64,
@@ -19,7 +19,7 @@ pub(crate) fn runge_kutta<const N: usize>(
 }
 
 /// Where in (0, h] a condition begins to hold that holds at h.
-pub(crate) fn bisect(h: f64, holds: impl Fn(f64) -> bool) -> f64 {
+pub fn bisect(h: f64, holds: impl Fn(f64) -> bool) -> f64 {
     let (mut no, mut yes) = (0.0, h);
     for _ in 0..60 {
         let middle = 0.5 * (no + yes);
@@ -34,18 +34,18 @@ pub(crate) fn bisect(h: f64, holds: impl Fn(f64) -> bool) -> f64 {
 
 /// What happened, as the simple integrator tells it: its time, a letter (s: stick, r: release, c:
 /// crossing), and the sign of v_r afterwards.
-pub(crate) type Seen = (f64, char, f64);
+pub type Seen = (f64, char, f64);
 
 /// A mass on a belt in plain numbers.
-pub(crate) struct Simple<'a> {
-    pub(crate) friction: &'a dyn Fn(f64) -> f64,
-    pub(crate) static_friction: f64,
-    pub(crate) damping: f64,
-    pub(crate) belt: f64,
+pub struct Simple<'a> {
+    pub friction: &'a dyn Fn(f64) -> f64,
+    pub static_friction: f64,
+    pub damping: f64,
+    pub belt: f64,
 }
 
 impl Simple<'_> {
-    pub(crate) fn rates(&self, side: f64, [u, v]: [f64; 2]) -> [f64; 2] {
+    pub fn rates(&self, side: f64, [u, v]: [f64; 2]) -> [f64; 2] {
         let speed = (side * (v - self.belt)).max(0.0);
         [
             v,
@@ -54,7 +54,7 @@ impl Simple<'_> {
     }
 
     /// The state a step later.
-    pub(crate) fn step(&self, side: f64, x: [f64; 2], h: f64) -> [f64; 2] {
+    pub fn step(&self, side: f64, x: [f64; 2], h: f64) -> [f64; 2] {
         runge_kutta(0.0, x, h, |_, x| self.rates(side, x))
     }
 
@@ -69,7 +69,7 @@ impl Simple<'_> {
     }
 
     /// Events before the end and the last state, in steps of a length that may depend on the state.
-    pub(crate) fn run(
+    pub fn run(
         &self,
         mut x: [f64; 2],
         duration: f64,
@@ -130,7 +130,7 @@ impl Simple<'_> {
 }
 
 /// The crate's events in the same words.
-pub(crate) fn told(events: &[Event]) -> Vec<Seen> {
+pub fn told(events: &[Event]) -> Vec<Seen> {
     let tell = |event: &Event| match event.kind {
         EventKind::Stick => (event.time, 's', 0.0),
         EventKind::Release(direction) => (event.time, 'r', direction.sign()),

@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use stick_slip_tests_common::root;
+
 /// The modules of the crate, from the ground up. One may use those of lower floors; those that
 /// share a floor know nothing of each other.
 const FLOORS: [&[&str]; 12] = [
@@ -25,10 +27,6 @@ const FLOORS: [&[&str]; 12] = [
 
 /// Columns that a line may have; words that are addresses and rows of tables are not counted.
 const COLUMNS: usize = 100;
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 /// All files below a folder, but for what Cargo and Git put there.
 fn files(folder: &Path, into: &mut Vec<PathBuf>) {
@@ -190,7 +188,8 @@ fn no_line_is_too_long() {
     let mut too_long = Vec::new();
     for path in files_of("") {
         let name = path.strip_prefix(root()).unwrap();
-        let is_script = name.extension().is_none() && name.ends_with("run");
+        let is_script =
+            name.extension().is_none() && (name.ends_with("run") || name.ends_with("full"));
         let is_written = name
             .extension()
             .is_some_and(|extension| ["rs", "md", "toml"].iter().any(|e| extension == *e));
@@ -210,6 +209,27 @@ fn no_line_is_too_long() {
         }
     }
     assert!(too_long.is_empty(), "over {COLUMNS} columns: {too_long:#?}");
+}
+
+/// The lines of a manifest that say what the crate depends on, and which features it has.
+fn needs(manifest: &str) -> Vec<String> {
+    let text = fs::read_to_string(root().join(manifest)).unwrap();
+    let sections = text.split("\n[").skip(1);
+    let sections = sections.filter(|section| {
+        let name = section.split_once(']').unwrap().0;
+        name == "features" || name.starts_with("dependencies") || name.starts_with("target")
+    });
+    let lines = sections.flat_map(str::lines);
+    let lines = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
+    lines.map(str::to_owned).collect()
+}
+
+/// The unit tests are the source of the crate in a package of its own.
+#[test]
+fn unit_tests_have_the_dependencies_and_features_of_the_crate() {
+    let of_crate = needs("Cargo.toml");
+    assert!(of_crate.len() > 5, "{of_crate:?}");
+    assert_eq!(of_crate, needs("tests/unit/Cargo.toml"));
 }
 
 /// The programs of tests.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use stick_slip::{EventKind, MassOnBelt, Polynomial, limit_cycle};
+use stick_slip_tests_common::root;
 
 const README: &str = include_str!("../../README.md");
 const PROGRAM: &str = include_str!("readme/program.rs");
@@ -163,7 +164,7 @@ fn documents_an_item(page: &str) -> bool {
     let Some(page) = page.strip_prefix("/latest/stick_slip/") else {
         return page.is_empty();
     };
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let src = root().join("src");
     let (folder, file) = page.rsplit_once('/').unwrap_or(("", page));
     if file == "index.html" {
         let folder = src.join(folder);
@@ -194,7 +195,7 @@ fn declares(folder: &Path, item: &str) -> bool {
 
 #[test]
 fn files_linked_to_exist_and_examples_are_listed() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = root();
     let inline = README
         .split("](")
         .skip(1)

@@ -13,6 +13,7 @@ use stick_slip::{
     Integrator, Iwan4, LuGre, MassOnBelt, Motion, Physical, Polynomial, Rational, Scalar, Scaled,
     Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation, check_law, structure,
 };
+use stick_slip_tests_common::root;
 
 /// A law with the given static coefficient and no friction, of both kinds.
 #[derive(Debug, Clone, Copy)]
@@ -445,10 +446,7 @@ fn every_refusal_names_its_constructor_and_its_number() {
     }
     // Nothing that refuses is missing above.
     let mut written = BTreeSet::new();
-    written_names(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("src"),
-        &mut written,
-    );
+    written_names(&root().join("src"), &mut written);
     assert!(written.len() > 20);
     let missing: Vec<_> = written
         .iter()

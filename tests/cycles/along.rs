@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
 use std::ops::Range;
 
-use crate::common::{Random, Table, on_belt};
+use crate::common::{Random, Table, count, on_belt};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
     Along, AttractorKind, VibrationRange, along, along_velocities, fold_velocities,
@@ -263,10 +263,11 @@ fn attractors<L: FrictionLaw>(system: &MassOnBelt<L>) -> Vec<AttractorKind> {
 fn ranges_say_what_a_search_at_one_velocity_says() {
     let mut random = Random::new(18);
     let (mut bistable, mut places) = (0, 0);
-    for i in 0..40 {
+    let cases = count(8, 40);
+    for i in 0..cases {
         let top = random.uniform(0.3, 0.8);
         let least = top * random.uniform(0.3, 0.9);
-        let law = Stribeck::new(top, least, random.uniform(0.1, 0.8), 1 + i % 3)
+        let law = Stribeck::new(top, least, random.uniform(0.1, 0.8), 1 + i as u32 % 3)
             .and_then(|law| law.with_viscous_coefficient(random.uniform(0.0, 0.05)))
             .unwrap();
         let system = on_belt(law, 1.0, random.logarithmic(0.002, 0.2), 1.0);
@@ -291,7 +292,7 @@ fn ranges_say_what_a_search_at_one_velocity_says() {
         }
     }
     println!("{bistable} bistable ranges, {places} places");
-    assert!(bistable > 10 && places > 900);
+    assert!(4 * bistable > cases && 2 * places > 45 * cases);
 }
 
 #[test]
@@ -506,7 +507,8 @@ fn a_narrow_range_of_overshoot_is_found() {
 fn touching_velocities_are_where_the_outermost_growth_changes_its_sign() {
     let mut random = Random::new(2806);
     let (mut seen, mut places) = (0, 0);
-    for i in 0..60 {
+    let cases = count(12, 60);
+    for i in 0..cases {
         let top = random.uniform(0.3, 0.8);
         let width = random.uniform(0.2, 0.8);
         let least = top * random.uniform(0.3, 0.9);
@@ -557,7 +559,7 @@ fn touching_velocities_are_where_the_outermost_growth_changes_its_sign() {
         }
     }
     println!("{seen} touching velocities, {places} places");
-    assert!(seen > 10 && places > 1000);
+    assert!(6 * seen > cases && 3 * places > 50 * cases);
     // Without static friction above the kinetic one it is grazing.
     let system = exponential(1.0, 0.15);
     assert_eq!(
@@ -602,7 +604,7 @@ fn loads_that_silence() {
 fn loads_that_silence_where_the_law_is_nearly_flat() {
     let exponential = Exponential::new(0.4, 0.25, 0.05).unwrap();
     let mut random = Random::new(2804);
-    for i in 0..24 {
+    for i in 0..count(4, 24) {
         // From 5 to 40 widths of the law.
         let (v_b, damping) = (random.logarithmic(0.25, 2.0), random.logarithmic(1e-3, 0.3));
         let law: AnyLaw = match i % 4 {
@@ -688,18 +690,20 @@ fn measured(count: usize, scatter: f64) -> Tabulated {
     Tabulated::new((0..count).map(point)).unwrap()
 }
 
-/// A full outline of the growth at every belt velocity took 4·10⁸.
+/// A full outline of the growth at every belt velocity took 4·10⁸ at 60 points.
 #[test]
 fn folds_of_scattered_points_take_a_bounded_work() {
-    let (folds, [calls, _]) = cost(measured(60, 0.004), 0.2, 0.02, 1.0, |system| {
+    let points = count(30, 60).min(60);
+    let (folds, [calls, _]) = cost(measured(points, 0.004), 0.2, 0.02, 1.0, |system| {
         fold_velocities(system, 0.05..1.5).unwrap()
     });
-    assert!(folds.len() > 5 && folds.is_sorted());
-    assert!(calls < 100_000_000, "{calls}");
+    assert!(folds.len() >= count(3, 6) && folds.is_sorted());
+    assert!(calls < count(10_000_000, 100_000_000), "{calls}");
 }
 
 /// Without a bound of the user's, too: it ran for minutes.
 #[test]
+#[ignore = "a full count: searches up to the default bound"]
 fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
     let most = Along::<Tabulated>::DEFAULT_MAX_STEPS;
     let law = measured(400, 0.004);
@@ -730,12 +734,13 @@ fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
 /// Each evaluation searched the breakpoints one by one: 10⁹ and more.
 #[test]
 fn thousands_of_points_are_not_searched_one_by_one() {
-    let (cycles, [calls, breakpoints]) = cost(measured(10_000, 0.0), 0.2, 0.02, 1.0, |system| {
+    let points = count(2000, 10_000);
+    let (cycles, [calls, breakpoints]) = cost(measured(points, 0.0), 0.2, 0.02, 1.0, |system| {
         limit_cycle::find(system).unwrap()
     });
     assert_eq!(cycles.len(), 1);
     assert!(
-        calls < 20_000_000 && breakpoints < 1_000_000,
+        calls < 2000 * points && breakpoints < 100 * points,
         "{calls} {breakpoints}"
     );
 }

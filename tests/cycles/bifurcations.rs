@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use crate::common::any::Wave;
 use crate::common::polynomials::Polynomials;
-use crate::common::{Ends, json, list, number, on_belt, paper, system_of, text};
+use crate::common::{Ends, count, json, list, number, on_belt, paper, system_of, text};
 use stick_slip::bifurcation::{
     Criticality, criticality, crossing_velocities, fold_velocities, grazing_velocities,
     hopf_velocities, overshoot_velocities, silencing_damping,
@@ -241,8 +241,8 @@ fn hopf_velocities_of_a_law_with_many() {
         );
     }
     // Wherever a range is cut, none is lost and none is found twice.
-    for i in 0..100 {
-        let cut = 0.03 + 0.29 * f64::from(i);
+    for i in 0..count(20, 100) {
+        let cut = 0.03 + 0.29 * i as f64;
         let [below, above] =
             [0.0..cut, cut..30.0].map(|range| hopf_velocities(&system, range).unwrap());
         assert_eq!(below.len() + above.len(), 190, "cut at {cut}");
@@ -395,7 +395,7 @@ fn hopf_search_ends_whatever_the_range_and_the_law() {
     let [near] = hopf_velocities(&system, 0.0..1.0).unwrap()[..] else {
         panic!()
     };
-    let [wide] = hopf_velocities(&system, 0.0..1e10).unwrap()[..] else {
+    let [wide] = hopf_velocities(&system, 0.0..1e9).unwrap()[..] else {
         panic!()
     };
     assert_abs_diff_eq!(wide, near, epsilon = 1e-14);

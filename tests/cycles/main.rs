@@ -1,7 +1,6 @@
 //! Limit cycles and bifurcations.
 
-#[path = "../common/mod.rs"]
-mod common;
+use stick_slip_tests_common as common;
 
 mod along;
 mod bifurcations;

@@ -1,23 +1,12 @@
 //! No search ends for stiffness: parameters that a user may well have, and strong dampers.
 
 use crate::common::any::{cubic, rational};
-use crate::common::{Random, on_belt};
+use crate::common::{Random, count, on_belt};
 use stick_slip::limit_cycle::{attractor, find};
 use stick_slip::{
     AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
     Stribeck, Tabulated, bifurcation,
 };
-
-/// Systems of the usual run in each set; the variable, where it is set, is a factor for all. With
-/// 25 they are 3000 reasonable systems, 500 strongly damped ones and 50 ranges.
-const TIMES: &str = "STICK_SLIP_SEARCHES";
-const REASONABLE: usize = 120;
-const DAMPED: usize = 20;
-const RANGES: usize = 2;
-
-fn times() -> usize {
-    std::env::var(TIMES).map_or(1, |n| n.parse().expect("a number"))
-}
 
 /// A law of any kind that falls over a speed, and may rise beyond it.
 fn law(random: &mut Random, kind: usize, width: f64) -> Result<AnyLaw, Error> {
@@ -112,12 +101,12 @@ fn none_fails(
 
 #[test]
 fn no_search_of_a_reasonable_system_fails() {
-    none_fails(31, REASONABLE * times(), reasonable);
+    none_fails(31, count(120, 1000), reasonable);
 }
 
 #[test]
 fn no_search_of_a_strongly_damped_system_fails() {
-    none_fails(32, DAMPED * times(), damped);
+    none_fails(32, count(20, 160), damped);
 }
 
 /// Belt velocities over four decades, and damping ratios, of reasonable systems.
@@ -125,7 +114,7 @@ fn no_search_of_a_strongly_damped_system_fails() {
 fn no_range_fails_for_one_velocity_that_is_stiff() {
     let mut random = Random::new(33);
     let mut failed = Vec::new();
-    for i in 0..RANGES * times() {
+    for i in 0..count(1, 16) {
         let system = reasonable(&mut random, i).unwrap();
         let v_b = system.belt_velocity().abs();
         let range = 1e-2 * v_b..100.0 * v_b;

@@ -1,6 +1,6 @@
 //! What is refused, but for single numbers (tests/contract/refusals.rs), and what is not found.
 
-use stick_slip::orbit::{Orbit, Period, lyapunov, section, settle, shoot};
+use stick_slip::orbit::{Orbit, Period, Search, lyapunov, section, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, MassOnBelt, Polynomial, Stribeck, Structure};
 
@@ -240,41 +240,62 @@ fn what_stops_a_motion_stops_a_search() {
     );
 }
 
+/// Asserts that a search came to its bound, and says so; the time that it reached.
+fn at_bound(error: Option<Error>, bound: usize) -> f64 {
+    let Some(Error::TooManySteps { limit, reached }) = &error else {
+        panic!("{error:?}")
+    };
+    assert_eq!(*limit, bound);
+    assert!(reached.time.is_finite());
+    assert_eq!(reached.state.displacements.len(), 1);
+    reached.time
+}
+
 /// Whatever times are asked for, a call ends within seconds and says how far it came.
 #[test]
 fn work_is_bounded() {
     let driven = block(sine(1.0), 0.2.into());
     let free = block(0.0.into(), 0.2.into());
     let start = State::at_rest(1);
-    let at_limit = |error: Option<Error>, limit_in_force: usize| {
-        let Some(Error::TooManySteps { limit, reached }) = &error else {
-            panic!("{error:?}")
-        };
-        assert_eq!(*limit, limit_in_force);
-        assert!(reached.time.is_finite());
-        assert_eq!(reached.state.displacements.len(), 1);
-        reached.time
-    };
-    let settled = settle(&driven, &start, 1e12, Period::Driven(1));
-    assert!(at_limit(settled.err(), 1_000_000) > 1e5);
+    const BOUND: usize = 20_000;
+    let search = Search::new().with_max_steps(BOUND).unwrap();
+    let settled = search.settle(&driven, &start, 1e12, Period::Driven(1));
+    assert!(at_bound(settled.err(), BOUND) > 2e3);
     for (transient, duration) in [(0.0, 1e12), (1e12, 1.0)] {
-        let exponent = lyapunov(&driven, &start, transient, duration);
-        assert!(at_limit(exponent.err(), 1_000_000) > 1e5);
+        let exponent = search.lyapunov_with_spread(&driven, &start, transient, duration);
+        assert!(at_bound(exponent.err(), BOUND) > 2e3);
     }
     // Steady sliding is one step, which changes of it pass in many.
     let sliding = State::new(&[0.3], &[0.0]);
     for duration in [1e8, 1e12] {
-        at_limit(lyapunov(&free, &sliding, 0.0, duration).err(), 1_000_000);
+        let exponent = search.lyapunov_with_spread(&free, &sliding, 0.0, duration);
+        at_bound(exponent.err(), BOUND);
     }
     let found = shoot(&driven, &start, Period::Driven(100_000_000));
-    at_limit(found.err(), 100_000);
+    at_bound(found.err(), 100_000);
     let guesses = [[0.3, 0.0], [0.3 + 1e-10, 0.0], [-1e8, 0.2], [0.0, 0.0]];
     for guess in guesses {
         for period in [1e8, 1e12] {
             let start = State::new(&guess[..1], &guess[1..]);
-            assert!(shoot(&free, &start, Period::Free(period)).is_err());
+            assert!(search.shoot(&free, &start, Period::Free(period)).is_err());
         }
     }
+}
+
+/// Without a bound of the user's, too.
+#[test]
+#[ignore = "a full count: runs of a million steps"]
+fn work_is_bounded_by_default() {
+    const BOUND: usize = 1_000_000;
+    let driven = block(sine(1.0), 0.2.into());
+    let start = State::at_rest(1);
+    let settled = settle(&driven, &start, 1e12, Period::Driven(1));
+    assert!(at_bound(settled.err(), BOUND) > 1e5);
+    let exponent = lyapunov(&driven, &start, 0.0, 1e12);
+    assert!(at_bound(exponent.err(), BOUND) > 1e5);
+    let free = block(0.0.into(), 0.2.into());
+    let sliding = State::new(&[0.3], &[0.0]);
+    at_bound(lyapunov(&free, &sliding, 0.0, 1e8).err(), BOUND);
 }
 
 /// What sticks for ever keeps the displacement at which it came to rest: the motion is one of a

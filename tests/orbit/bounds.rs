@@ -53,7 +53,14 @@ fn steps_are_bounded_on_one_system() {
     // Enough is enough, and the result does not depend on the bound.
     let same = search(1000).shoot(&system, &orbit.state(), period).unwrap();
     assert!(same == shoot(&system, &orbit.state(), period).unwrap());
-    // More than the default.
+}
+
+/// A bound may be larger than the default, too.
+#[test]
+#[ignore = "a full count: a run of two million steps"]
+fn a_bound_may_be_larger_than_the_default() {
+    let system = driven(0.78).unwrap();
+    let search = |most: usize| Search::new().with_max_steps(most).unwrap();
     let more = search(2 * Search::DEFAULT_MAX_STEPS);
     let found = more.lyapunov_with_spread(&system, &start(), 0.0, 1e12);
     let Err(Error::TooManySteps { limit, reached }) = found else {

@@ -11,6 +11,8 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Stribeck, Structure};
 
+use crate::common::count;
+
 /// The bifurcations of a kind over the first parameter.
 fn bifurcations(
     family: impl Fn(f64, f64) -> Result<Structure, Error>,
@@ -89,7 +91,7 @@ fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
         (0.7, 0.08, 0.6..1.05, known(0.8, 0.95)),
         (1.4, 0.05, 0.95..1.6, known(1.05, 1.2)),
     ];
-    for (frequency, force, range, known) in cases {
+    for (frequency, force, range, known) in cases.into_iter().take(count(1, 2)) {
         let guess = State::new(&[0.3], &[0.1]);
         let system = family(frequency, force).unwrap();
         let motion = shoot(&system, &guess, Period::Driven(1)).unwrap();
@@ -110,6 +112,7 @@ fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
 /// Folds of a forced mass on a belt, on both sides of a cusp: both curves end at the same point on
 /// the curve of touches, found from two touches of the same branch.
 #[test]
+#[ignore = "a full count: four long curves; the next test has the same end of two masses"]
 fn folds_with_falling_friction_end_on_the_curve_of_touches() {
     let family = |hertz: f64, force: f64| {
         let law = Stribeck::new(0.5, 0.25, 0.3, 2)?;

@@ -17,7 +17,7 @@ use stick_slip::{
     limit_cycle,
 };
 
-use crate::common::number;
+use crate::common::{count, number};
 use crate::reading::{cases, structure};
 
 /// Error promised for every parameter.
@@ -457,8 +457,8 @@ fn a_continuum_is_passed() {
     };
     let system = family(0.2).unwrap();
     let orbit = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
-    let branch = follow(family, 0.2, &orbit, 0.1..0.3).unwrap();
-    assert!(branch.points.len() < 2000);
+    let branch = follow(family, 0.2, &orbit, 0.19..0.21).unwrap();
+    assert!(branch.points.len() < 200);
     for point in &branch.points {
         let (least, largest) = point.orbit.extremes(0);
         assert!(
@@ -558,7 +558,7 @@ fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
 fn a_jump_is_where_motions_from_one_start_part() {
     let mut random = crate::common::Random::new(11);
     let mut jumps = 0;
-    for i in 0..40 {
+    for i in 0..count(20, 40) {
         let mut between = |low: f64, high: f64| random.uniform(low, high);
         let (limit, part) = (between(0.3, 0.6), between(0.4, 0.9));
         let (damping, belt) = (between(0.02, 0.3), between(-0.3, 0.3));
@@ -617,7 +617,7 @@ fn a_jump_is_where_motions_from_one_start_part() {
         }
     }
     println!("{jumps} jumps");
-    assert!(jumps > 3, "{jumps}");
+    assert!(jumps >= count(1, 4), "{jumps}");
 }
 
 /// Before a tangential release the first multiplier grows like 1/d, d the distance of the parameter
@@ -741,7 +741,8 @@ fn a_branch_goes_on_where_a_stop_vanishes_beside_a_fold() {
             .with_force(0, Drive::harmonic(amplitude, frequency, 0.0)?)?
             .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
     };
-    for amplitude in [0.124, 0.1245, 0.125, 0.126] {
+    let amplitudes = [0.124, 0.126, 0.1245, 0.125];
+    for amplitude in amplitudes.into_iter().take(count(2, 4)) {
         let family = |frequency: f64| family(amplitude, frequency);
         let start = State::at_rest(1);
         let orbit = settle(&family(0.9).unwrap(), &start, 400.0, Period::Driven(1)).unwrap();

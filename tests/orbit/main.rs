@@ -4,10 +4,8 @@
 //! `data/bristle_cycles.json` come from a Taylor integration in 220-bit arithmetic; the field
 //! `header` of each file explains the others.
 
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../structures/reading.rs"]
-mod reading;
+use common::reading;
+use stick_slip_tests_common as common;
 
 mod bad_input;
 mod belt;

@@ -7,7 +7,7 @@ use stick_slip::orbit::{Branch, BranchEnd, Orbit, Period, follow, settle, shoot}
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
 
-use crate::common::Random;
+use crate::common::{Random, count};
 
 /// A mass under a force and a load that both go as a sine, begun at a phase of them.
 fn lifting(frequency: f64, phase: f64) -> Result<Structure, Error> {
@@ -93,7 +93,8 @@ fn same(about: &str, one: &Found, other: &Found) {
 fn a_branch_does_not_depend_on_where_its_period_begins() {
     let expected = branch(1.0, 1.2..1.4);
     assert_eq!(expected.ends, [BranchEnd::Range, BranchEnd::Range]);
-    for phase in [0.0, 0.1, FRAC_PI_2, 0.5 * TAU, 3.5, TAU] {
+    let phases = [0.0, 0.5 * TAU, TAU, 0.1, FRAC_PI_2, 3.5];
+    for phase in phases.into_iter().take(count(3, 6)) {
         same(&format!("{phase}"), &branch(phase, 1.2..1.4), &expected);
     }
 }
@@ -192,7 +193,8 @@ fn random_lifting(random: &mut Random) -> impl Fn(f64, f64) -> Result<Structure,
 fn branches_of_random_contacts_that_open_do_not_depend_on_the_phase() {
     let mut random = Random::new(28);
     let (mut compared, mut changes, mut jumps) = (0, 0, 0);
-    for i in 0..15 {
+    let cases = count(4, 15);
+    for i in 0..cases {
         let system = random_lifting(&mut random);
         let frequency = random.uniform(0.7, 1.6);
         let found = [0.0, 2.5].map(|phase| {
@@ -216,5 +218,5 @@ fn branches_of_random_contacts_that_open_do_not_depend_on_the_phase() {
             .count();
     }
     println!("{compared} branches, {changes} changes, {jumps} jumps");
-    assert!(compared > 12 && changes > 5 && jumps > 0);
+    assert!(5 * compared > 4 * cases && 3 * changes > cases && jumps >= count(0, 1));
 }

@@ -185,6 +185,7 @@ fn the_asymmetric_branch_joins_mirror_images() {
 /// A ring of asymmetric motions, each with its mirror image, through two pitchforks. It turns back
 /// sharply at a grazing, near which both pieces cross each plane across the ring.
 #[test]
+#[ignore = "a full count: a long branch; other tests follow rings and leave pitchforks"]
 fn a_ring_through_two_pitchforks_is_followed_around_its_corners() {
     let family = |frequency: f64| -> Result<Structure, Error> {
         Structure::new(&[1.0])?

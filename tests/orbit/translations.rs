@@ -591,6 +591,7 @@ mod loci {
     }
 
     #[test]
+    #[ignore = "a full count: sixteen long curves; the next test has shorter ones"]
     fn of_a_forced_shaft_are_those_of_its_relative_motion() {
         let law = || Stribeck::new(0.5, 0.25, 0.3, 2).unwrap();
         let relative = |hertz: f64, force: f64| {

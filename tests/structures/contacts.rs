@@ -8,9 +8,8 @@ use stick_slip::{
     Mode, Structure, Trajectory,
 };
 
-use crate::common::{Random, text};
+use crate::common::{Random, count, text};
 use crate::plain::Plain;
-use crate::random::count;
 use crate::reading::{cases, law, structure};
 use crate::work::Work;
 
@@ -110,7 +109,8 @@ fn growth(structure: &Structure, start: &State, motion: &Trajectory<State>, end:
 fn coordinates_may_be_changed() {
     let mut random = Random::new(31);
     let (mut events, mut compared, mut worst) = (0, 0, 0.0_f64);
-    for i in 0..count(500) {
+    let cases = count(100, 500);
+    for i in 0..cases {
         let mut plain = Plain::shared(&mut random, false);
         let n = plain.len();
         // Forces are changed as sums of drives, which plain numbers do not have.
@@ -169,7 +169,7 @@ fn coordinates_may_be_changed() {
     }
     println!("{compared} motions, {events} events, worst {worst:.1e} of what is allowed");
     assert!(
-        3 * compared > count(500) && events > 2 * count(500),
+        3 * compared > cases && events > 2 * cases,
         "{compared} {events}"
     );
 }
@@ -262,7 +262,8 @@ impl IntoVector for [f64; 2] {
 fn contacts_may_be_numbered_in_any_order() {
     let mut random = Random::new(17);
     let (mut events, mut falling) = (0, 0);
-    for i in 0..count(200) {
+    let cases = count(50, 200);
+    for i in 0..cases {
         let plain = Plain::shared(&mut random, i % 4 == 0);
         let start = plain.start_at_rest(&mut random);
         let mut order: Vec<usize> = (0..plain.contacts.len()).collect();
@@ -294,7 +295,7 @@ fn contacts_may_be_numbered_in_any_order() {
     }
     println!("{events} events, {falling} motions where friction falls");
     assert!(
-        events > 5 * count(200) / 2 && falling > count(200) / 4,
+        events > 5 * cases / 2 && falling > cases / 4,
         "{events} {falling}"
     );
 }
@@ -615,7 +616,8 @@ fn a_joint_slips_the_way_its_motor_turns() {
 fn contacts_come_to_rest_with_those_that_they_depend_on() {
     let mut random = Random::new(46);
     let (mut together, mut ended) = (0, 0);
-    for i in 0..count(100) {
+    let cases = count(30, 100);
+    for i in 0..cases {
         let mut uniform = |low, high| random.uniform(low, high);
         let (masses, springs) = ([0; 2].map(|_| uniform(0.5, 2.0)), uniform(0.5, 2.0));
         let force = Drive::harmonic(uniform(0.5, 2.0), uniform(0.4, 1.5), 0.0).unwrap();
@@ -646,7 +648,7 @@ fn contacts_come_to_rest_with_those_that_they_depend_on() {
         }
     }
     println!("{together} times together, {ended} ended undetermined");
-    assert!(together > 3 * count(100) && ended > 0);
+    assert!(together > 3 * cases && ended > 0);
 }
 
 /// The same where a third contact, which holds both ends and another mass, has no part in it.
@@ -654,7 +656,8 @@ fn contacts_come_to_rest_with_those_that_they_depend_on() {
 fn contacts_come_to_rest_together_beside_one_that_holds() {
     let mut random = Random::new(48);
     let mut together = 0;
-    for i in 0..count(100) {
+    let cases = count(30, 100);
+    for i in 0..cases {
         let mut uniform = |low, high| random.uniform(low, high);
         let slanting = [0, 1, 2].map(|j| (j, uniform(0.5, 1.5)));
         let masses = [0; 3].map(|_| uniform(0.5, 2.0));
@@ -697,7 +700,7 @@ fn contacts_come_to_rest_together_beside_one_that_holds() {
             }
         }
     }
-    assert!(together > 3 * count(100), "{together}");
+    assert!(together > 3 * cases, "{together}");
 }
 
 /// Contacts that hold all coordinates, in directions none of which has a coordinate to itself.
@@ -705,7 +708,8 @@ fn contacts_come_to_rest_together_beside_one_that_holds() {
 fn masses_held_in_slanting_directions_are_at_rest_to_the_bit() {
     let mut random = Random::new(47);
     let mut held = [0; 2];
-    for i in 0..count(50) {
+    let cases = count(20, 50);
+    for i in 0..cases {
         let (base, apart, more) = [(0.0, 1.0, 3), (1.0, 1e-3, 1)][i % 2];
         let n = 2 + (random.bits() % more) as usize;
         let masses: Vec<f64> = (0..n).map(|_| random.uniform(0.5, 2.0)).collect();
@@ -734,5 +738,5 @@ fn masses_held_in_slanting_directions_are_at_rest_to_the_bit() {
         }
         assert!(motion.steps().len() < 1000, "{}", motion.steps().len());
     }
-    assert!(held.iter().all(|held| *held > count(50) / 20), "{held:?}");
+    assert!(held.iter().all(|held| *held > cases / 20), "{held:?}");
 }

@@ -2,9 +2,9 @@
 
 use stick_slip::{AnyLaw, Error, FrictionLaw, Integrator, Mode, Segment};
 
-use crate::common::Random;
+use crate::common::{Random, count};
 use crate::plain::{Plain, Seen};
-use crate::random::{Comparison, count, simulate, told};
+use crate::random::{Comparison, simulate, told};
 use crate::work::Work;
 
 /// Laws of contacts and of motion along every step.
@@ -12,7 +12,8 @@ use crate::work::Work;
 fn motions_of_joints_obey_the_law() {
     let mut random = Random::new(77);
     let (mut events, mut ended, mut worst) = (0, 0, 0.0_f64);
-    for i in 0..count(600) {
+    let cases = count(80, 600);
+    for i in 0..cases {
         let plain = Plain::shared(&mut random, i % 3 == 0);
         let start = plain.start_at_rest(&mut random);
         let structure = plain.structure();
@@ -80,7 +81,7 @@ fn motions_of_joints_obey_the_law() {
         }
     }
     println!("{events} events, {ended} ended early, energy to {worst:.1e}");
-    assert!(events > 4 * count(600), "{events}");
+    assert!(events > 4 * cases, "{events}");
 }
 
 /// The same events as the simple integrator sees, where that is sure of itself.
@@ -89,7 +90,8 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
     let mut random = Random::new(501);
     let mut all = Comparison::default();
     let (mut ambiguous, mut at_rest) = (0, 0);
-    for i in 0..count(40) {
+    let cases = count(20, 40);
+    for i in 0..cases {
         let (plain, start) = loop {
             let plain = Plain::shared(&mut random, false);
             let start = plain.start_at_rest(&mut random);
@@ -125,7 +127,7 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
         all.add(&found, [&coarse, &fine], duration, &motion);
     }
     println!("{all}; {at_rest} with several at rest, {ambiguous} ambiguous starts");
-    assert!(at_rest * 5 > count(40), "{at_rest}");
-    assert!(all.compared > 3 * count(40), "{all}");
-    assert!(all.undecided * 5 < count(40), "{all}");
+    assert!(at_rest * 5 > cases, "{at_rest}");
+    assert!(all.compared > 3 * cases, "{all}");
+    assert!(all.undecided * 5 < cases, "{all}");
 }

@@ -5,9 +5,8 @@ use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Error, Integrator, Mode, Segment, Structure};
 
-use crate::common::Random;
+use crate::common::{Random, count};
 use crate::naive::{Pattern, Question, is_definite};
-use crate::random::count;
 
 /// A structure of n masses at rest with k contacts under constant forces, and what it has to
 /// decide.
@@ -88,7 +87,8 @@ fn decided(structure: &Structure) -> Pattern {
 fn decisions_are_those_of_all_patterns_tried() {
     let mut random = Random::new(4);
     let (mut tried, mut several, mut unclear) = (0, 0, 0);
-    while tried < count(300) {
+    let cases = count(60, 300);
+    while tried < cases {
         let k = 2 + (random.bits() % 4) as usize;
         let falls = random.bits().is_multiple_of(2);
         let n = k + (random.bits() % 2) as usize;
@@ -138,7 +138,7 @@ fn decisions_are_those_of_all_patterns_tried() {
 fn more_contacts_than_masses_come_to_a_decision() {
     let mut random = Random::new(28);
     let (mut decided, mut undetermined) = (0, 0);
-    for _ in 0..count(5000) {
+    for _ in 0..count(1000, 5000) {
         let n = 3 + (random.bits() % 5) as usize;
         let k = 2 * n + (random.bits() % n as u64) as usize;
         let (structure, question) = drawn(&mut random, [n, k], [false, true]);

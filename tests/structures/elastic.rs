@@ -11,8 +11,7 @@ use stick_slip::{
     Segment, Structure,
 };
 
-use crate::common::{Random, assert_form};
-use crate::random::count;
+use crate::common::{Random, assert_form, count};
 
 fn coulomb(coefficient: f64) -> Coulomb {
     Coulomb::new(coefficient, coefficient).unwrap()
@@ -327,7 +326,8 @@ fn contact_coefficient(contact: &Contact) -> f64 {
 fn a_scheme_without_events_comes_to_the_same_states() {
     let mut random = Random::new(91);
     let (mut worst, mut events) = (0.0_f64, 0);
-    for i in 0..count(40) {
+    let cases = count(6, 40);
+    for i in 0..cases {
         let drawn = draw(&mut random, false);
         let duration = 8.0;
         let motion = match drawn.structure.simulate(drawn.start.clone(), duration) {
@@ -362,7 +362,7 @@ fn a_scheme_without_events_comes_to_the_same_states() {
         worst = worst.max(found);
     }
     println!("{events} events, {worst:.1e}");
-    assert!(events > 8 * count(40), "{events}");
+    assert!(events > 8 * cases, "{events}");
 }
 
 /// What holds along every step, of elastic contacts and rigid ones in one structure.
@@ -370,7 +370,8 @@ fn a_scheme_without_events_comes_to_the_same_states() {
 fn motions_of_elastic_contacts_obey_the_law() {
     let mut random = Random::new(92);
     let (mut events, mut motions) = (0, 0);
-    for i in 0..count(600) {
+    let cases = count(60, 600);
+    for i in 0..cases {
         let Drawn { structure, start } = draw(&mut random, true);
         let about = || format!("{i}: {structure:?}\n{start:?}");
         let flow = match Integrator::new().flow(&structure, start.clone()) {
@@ -431,7 +432,7 @@ fn motions_of_elastic_contacts_obey_the_law() {
         }
     }
     println!("{motions} motions, {events} events");
-    assert!(events > 5 * count(600), "{events}");
+    assert!(events > 5 * cases, "{events}");
 }
 
 #[test]
@@ -627,7 +628,7 @@ fn an_open_spring_does_not_pull_what_starts_to_slip() {
 #[test]
 fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
     let mut random = Random::new(91);
-    for i in 0..count(100) {
+    for i in 0..count(25, 100) {
         let mut uniform = |low, high| random.uniform(low, high);
         let masses = [0; 2].map(|_| uniform(0.5, 2.0));
         let (spring, damper) = (uniform(0.5, 2.0), uniform(0.05, 0.2));

@@ -10,9 +10,8 @@ use stick_slip::{
     Trajectory,
 };
 
-use super::random::count;
-use crate::common::Random;
 use crate::common::orbit::integrate;
+use crate::common::{Random, count};
 
 /// A mean value and one harmonic.
 #[derive(Debug, Clone, Copy)]
@@ -221,7 +220,8 @@ fn simulate(given: &Given, start: &State, about: &str) -> Trajectory<State> {
 fn two_motions_never_come_apart() {
     let mut random = Random::new(30);
     let (mut events, mut fallen) = (0, 0);
-    for i in 0..count(1000) {
+    let cases = count(150, 1000);
+    for i in 0..cases {
         let given = Given::random(&mut random);
         let motions = [0, 1].map(|_| {
             let start = given.start(&mut random);
@@ -255,14 +255,14 @@ fn two_motions_never_come_apart() {
         fallen += usize::from(last < 0.5 * begin);
     }
     println!("{events} events, {fallen} have come closer");
-    assert!(events > 5 * count(1000) && fallen > count(1000) / 2);
+    assert!(events > 5 * cases && fallen > cases / 2);
 }
 
 #[test]
 fn energy_is_what_forces_and_sliders_leave() {
     let mut random = Random::new(31);
     let mut worst = 0.0_f64;
-    for i in 0..count(1000) {
+    for i in 0..count(150, 1000) {
         let given = Given::random(&mut random);
         let start = given.start(&mut random);
         let motion = simulate(&given, &start, &i.to_string());

@@ -9,9 +9,9 @@ use stick_slip::{
     Structure, Trajectory,
 };
 
-use crate::common::{Random, list, text};
+use crate::common::{Random, count, list, text};
 use crate::plain::Plain;
-use crate::random::{count, simulate};
+use crate::random::simulate;
 use crate::reading::{cases, numbers, structure};
 
 /// Largest energy of the motion, with all that was turned over: what rounding is measured by.
@@ -140,7 +140,7 @@ fn balances_close_along_the_reference_motions() {
 fn balances_close_along_random_motions() {
     let mut random = Random::new(77);
     let mut worst = 0.0_f64;
-    for i in 0..count(400) {
+    for i in 0..count(80, 400) {
         let plain = if i % 2 == 0 {
             Plain::random(&mut random)
         } else {

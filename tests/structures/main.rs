@@ -5,8 +5,8 @@
 //! `data/structure_bifurcations.json` come from a Taylor integration in 220-bit arithmetic, checked
 //! against a Runge-Kutta method; the field `header` of each file explains the others.
 
-#[path = "../common/mod.rs"]
-mod common;
+use common::{naive, plain, reading, work};
+use stick_slip_tests_common as common;
 
 mod bad_input;
 mod bristles;
@@ -22,12 +22,8 @@ mod formulas;
 mod identities;
 mod memory;
 mod memory_formulas;
-mod naive;
-mod plain;
 mod random;
-mod reading;
 mod steady;
 mod stiff_memory;
 mod trajectories;
 mod two_engines;
-mod work;

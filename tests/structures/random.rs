@@ -7,15 +7,10 @@ use stick_slip::{
     Integrator, LuGre, Mode, Polynomial, Rational, Segment, Stribeck, Structure, Trajectory,
 };
 
-use crate::common::Random;
 use crate::common::simple::runge_kutta;
+use crate::common::{Random, count};
 use crate::plain::{Plain, Seen};
 use crate::reading::Raised;
-
-/// Number of cases, which the variable `STRUCTURES` may raise: to 100000 before a release.
-pub(crate) fn count(usual: usize) -> usize {
-    std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
-}
 
 fn told_of(event: &Event<State>) -> Seen {
     let (letter, side) = match event.kind {
@@ -53,7 +48,8 @@ pub(crate) fn simulate(
 fn motions_obey_the_law() {
     let mut random = Random::new(2026);
     let (mut events, mut separations, mut opened) = (0, 0, 0);
-    for i in 0..count(2000) {
+    let cases = count(300, 2000);
+    for i in 0..cases {
         let plain = Plain::random(&mut random);
         let start = plain.start(&mut random);
         let about = || format!("{i}: {plain:?}\n{start:?}");
@@ -107,7 +103,7 @@ fn motions_obey_the_law() {
         }
     }
     println!("{events} events, {separations} separations, {opened} openings");
-    assert!(events > 10 * count(2000) / 2 && separations > 0 && opened > 0);
+    assert!(events > 10 * cases / 2 && separations > 0 && opened > 0);
 }
 
 /// The events up to a time, or up to where the motion cannot go on.
@@ -139,7 +135,8 @@ fn a_loose_tolerance_sees_the_same_events() {
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let mut random = Random::new(77);
         let (mut compared, mut unsure) = (0, 0);
-        for i in 0..count(300) {
+        let cases = count(60, 300);
+        for i in 0..cases {
             let plain = match i % 3 {
                 0 => Plain::shared(&mut random, false),
                 _ => Plain::random(&mut random),
@@ -182,7 +179,7 @@ fn a_loose_tolerance_sees_the_same_events() {
             unsure += usual.len() - sure;
         }
         println!("{tolerance:e}: {compared} events, {unsure} unsure");
-        assert!(compared > 5 * count(300) && unsure < compared / 10);
+        assert!(compared > 5 * cases && unsure < compared / 10);
     }
 }
 
@@ -254,7 +251,8 @@ impl std::fmt::Display for Comparison {
 fn a_simple_integrator_sees_the_same_events() {
     let mut random = Random::new(500);
     let mut all = Comparison::default();
-    for i in 0..count(100) {
+    let cases = count(15, 100);
+    for i in 0..cases {
         let plain = Plain::random(&mut random);
         let start = plain.start(&mut random);
         let duration = 15.0;
@@ -269,8 +267,8 @@ fn a_simple_integrator_sees_the_same_events() {
         all.add(&found, [&coarse, &fine], duration, &motion);
     }
     println!("{all}");
-    assert!(all.compared > 5 * count(100), "{all}");
-    assert!(all.undecided * 10 < count(100), "{all}");
+    assert!(all.compared > 5 * cases, "{all}");
+    assert!(all.undecided * 10 < cases, "{all}");
 }
 
 /// A limit of steps ends what does not end by itself.

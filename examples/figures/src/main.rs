@@ -23,7 +23,7 @@
 //!   sliding over a parameter;
 //! * `plot.rs` and the files that it uses: the parts of plotters that a printed figure needs.
 //!
-//! Run it with `cargo run --release --bin stick-slip-figures`; to write to another folder than
+//! Run it with `cargo run --release -p stick-slip-figures`; to write to another folder than
 //! `target/figures`, add its name after `--`. One of the files is kept in this folder for the
 //! README, and five in `src/figures` of the crate for its pages. To renew them, draw them and copy
 //! them.

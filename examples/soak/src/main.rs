@@ -14,7 +14,7 @@
 //! * systems and laws are plain values, so that any number of threads can work on them.
 //!
 //! Run it with
-//! `cargo run --release --bin stick-slip-soak -- [integrations] [cycle searches] [first index]`.
+//! `cargo run --release -p stick-slip-soak -- [integrations] [cycle searches] [first index]`.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

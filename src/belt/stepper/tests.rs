@@ -7,6 +7,7 @@
 use super::*;
 use crate::belt::MassOnBelt;
 use crate::friction::{Exponential, FrictionLaw, Polynomial, Stribeck, Tabulated};
+use crate::numerics::testing::count;
 use crate::state::Direction;
 
 /// Statistics of the steps of some motions.
@@ -99,10 +100,11 @@ fn at_force_balance<L: FrictionLaw>(system: &MassOnBelt<L>, speed: f64) -> SlipP
 #[test]
 fn explicit_and_slow_steps_meet_without_a_gap() {
     let mut seen = Seen::default();
-    for i in 0..60 {
+    let loads = count(15, 60);
+    for i in 0..loads {
         for beyond in [1.5, 3.0, 10.0, 100.0] {
             let v_m = 1e-2;
-            let load = 0.01 * (f64::from(i) / 6.0).exp2();
+            let load = 0.01 * (10.0 * i as f64 / loads as f64).exp2();
             let law = Polynomial::new(0.4, 0.2, v_m).unwrap();
             let system = MassOnBelt::new(law, beyond * v_m)
                 .and_then(|system| system.with_damping(0.05)?.with_load(load))
@@ -122,9 +124,10 @@ fn explicit_and_slow_steps_meet_without_a_gap() {
 #[test]
 fn explicit_and_slow_steps_meet_backwards_too() {
     let mut seen = Seen::default();
-    for i in 0..60 {
+    let loads = count(15, 60);
+    for i in 0..loads {
         for v_b in [0.01, 0.1, 1.0] {
-            let load = 0.3 * (f64::from(i) / 6.0).exp2();
+            let load = 0.3 * (10.0 * i as f64 / loads as f64).exp2();
             let law = Exponential::new(0.4, 0.2, 0.1).unwrap();
             let exponential = MassOnBelt::new(law, v_b)
                 .and_then(|system| system.with_damping(0.05)?.with_load(load))

@@ -7,6 +7,7 @@ use stick_slip::analysis::{PureSlip, averaging};
 use stick_slip::{CycleKind, EventKind, FrictionLaw, MassOnBelt, State, limit_cycle};
 
 use super::{Bounds, Verdict, any_law, check, check_some, decades, or_zero, sign};
+use crate::common::count;
 use crate::orders::points::{Parameters, Point, at, system};
 use crate::orders::tables::{
     AVERAGED_CROSSING, Errors, Series, averaged_rows, pure_slip_rows, stick_slip_rows,
@@ -131,7 +132,7 @@ fn averaged_crossing_cycles() {
     let cases = (law, 0.5..0.75, 0.0..1.0, 1..6_i32);
     // Fewer: all cycles of four systems are searched.
     check_some(
-        96,
+        count(24, 96),
         cases,
         |((mu_s, mu_m, v_m), ratio, damping, last), bounds| {
             let (mu_m, v_b) = (mu_m * mu_s, ratio * v_m);
@@ -209,41 +210,45 @@ fn averaged_drift() {
 #[test]
 fn averaged_cycles() {
     let cases = (any_law(), 0.1..1.5, sign(), (0.0..1.0, 0.02..0.2), 1..4_i32);
-    check_some(32, cases, |(law, w, sign, (part, load), last), bounds| {
-        let bare = super::system(law, sign * w, 0.0, load * w);
-        let needed = stick_slip::analysis::design::stabilizing_damping(&bare).unwrap();
-        let damping = part * needed;
-        let full = bare.with_damping(damping).unwrap();
-        let averaged = averaging::cycles(&full).unwrap();
-        let expanded = averaged
-            .iter()
-            .find(|cycle| cycle.is_valid() && distance(&full, cycle.amplitude()) > 0.05);
-        prop_assume!(expanded.is_some());
-        let expanded = expanded.unwrap();
-        let sizes = sizes(2.0, last);
-        let mut rows: [Vec<(f64, f64)>; 3] = Default::default();
-        for epsilon in sizes {
-            let system = full.clone().with_damping(epsilon * damping).unwrap();
-            let system = system.with_load(epsilon * load * w).unwrap();
-            let found = limit_cycle::find(&system).unwrap();
-            let beside = |a: f64| (a - expanded.amplitude()).abs();
-            let nearest = found
+    check_some(
+        count(8, 32),
+        cases,
+        |(law, w, sign, (part, load), last), bounds| {
+            let bare = super::system(law, sign * w, 0.0, load * w);
+            let needed = stick_slip::analysis::design::stabilizing_damping(&bare).unwrap();
+            let damping = part * needed;
+            let full = bare.with_damping(damping).unwrap();
+            let averaged = averaging::cycles(&full).unwrap();
+            let expanded = averaged
                 .iter()
-                .filter(|cycle| cycle.stick_duration() == 0.0)
-                .filter(|cycle| cycle.is_stable() == expanded.is_stable())
-                .min_by(|a, b| beside(a.amplitude()).total_cmp(&beside(b.amplitude())));
-            prop_assume!(nearest.is_some());
-            let exact = nearest.unwrap();
-            let noise = 8.0 * f64::EPSILON / (1.0 - exact.multiplier()).abs();
-            let rate = exact.multiplier().ln() / exact.period();
-            let slope = epsilon * expanded.drift_slope();
-            rows[0].push((exact.amplitude() / expanded.amplitude() - 1.0, noise));
-            rows[1].push((exact.period() - TAU, noise));
-            rows[2].push((rate - slope, noise));
-        }
-        for ((name, p), errors) in [("A", 2.0), ("T", 2.0), ("dA'/dA", 3.0)].iter().zip(&rows) {
-            bounds.order(name, *p, |x| x, &sizes, errors)?;
-        }
-        Ok(())
-    });
+                .find(|cycle| cycle.is_valid() && distance(&full, cycle.amplitude()) > 0.05);
+            prop_assume!(expanded.is_some());
+            let expanded = expanded.unwrap();
+            let sizes = sizes(2.0, last);
+            let mut rows: [Vec<(f64, f64)>; 3] = Default::default();
+            for epsilon in sizes {
+                let system = full.clone().with_damping(epsilon * damping).unwrap();
+                let system = system.with_load(epsilon * load * w).unwrap();
+                let found = limit_cycle::find(&system).unwrap();
+                let beside = |a: f64| (a - expanded.amplitude()).abs();
+                let nearest = found
+                    .iter()
+                    .filter(|cycle| cycle.stick_duration() == 0.0)
+                    .filter(|cycle| cycle.is_stable() == expanded.is_stable())
+                    .min_by(|a, b| beside(a.amplitude()).total_cmp(&beside(b.amplitude())));
+                prop_assume!(nearest.is_some());
+                let exact = nearest.unwrap();
+                let noise = 8.0 * f64::EPSILON / (1.0 - exact.multiplier()).abs();
+                let rate = exact.multiplier().ln() / exact.period();
+                let slope = epsilon * expanded.drift_slope();
+                rows[0].push((exact.amplitude() / expanded.amplitude() - 1.0, noise));
+                rows[1].push((exact.period() - TAU, noise));
+                rows[2].push((rate - slope, noise));
+            }
+            for ((name, p), errors) in [("A", 2.0), ("T", 2.0), ("dA'/dA", 3.0)].iter().zip(&rows) {
+                bounds.order(name, *p, |x| x, &sizes, errors)?;
+            }
+            Ok(())
+        },
+    );
 }

@@ -167,21 +167,21 @@ pub(crate) fn case() -> impl Strategy<Value = Case> {
 
 /// Runs a property on so many cases: the same ones in every run, others with `PROPTEST_RNG_SEED`,
 /// more with `PROPTEST_CASES`.
-pub(crate) fn check(cases: u32, property: impl Fn(Case) -> Result<(), TestCaseError>) {
+pub(crate) fn check(cases: usize, property: impl Fn(Case) -> Result<(), TestCaseError>) {
     // One runner is compiled, not one for each property.
     run(cases, &property);
 }
 
-fn run(cases: u32, property: &dyn Fn(Case) -> Result<(), TestCaseError>) {
+fn run(cases: usize, property: &dyn Fn(Case) -> Result<(), TestCaseError>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-            "tests/proptest-regressions/hostile.txt",
+            "proptest-regressions/hostile.txt",
         ))),
         max_shrink_iters: 2000,
         ..Config::default()
     };
     if std::env::var_os("PROPTEST_CASES").is_none() {
-        config.cases = cases;
+        config.cases = cases as u32;
     }
     if config.rng_seed == RngSeed::Random {
         config.rng_seed = RngSeed::Fixed(1);

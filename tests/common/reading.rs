@@ -7,14 +7,14 @@ use stick_slip::{
     LuGre, Polynomial, Rational, Scalar, Structure,
 };
 
-use crate::common::{json, list, number, text};
+use crate::{json, list, number, text};
 
-pub(crate) fn cases(file: &str) -> Vec<Value> {
+pub fn cases(file: &str) -> Vec<Value> {
     list(&json(file)["cases"]).to_vec()
 }
 
 /// Decimal strings as numbers.
-pub(crate) fn numbers(value: &Value) -> Vec<f64> {
+pub fn numbers(value: &Value) -> Vec<f64> {
     list(value).iter().map(number).collect()
 }
 
@@ -27,7 +27,7 @@ fn number_or(value: &Value, parameter: f64) -> f64 {
     }
 }
 
-pub(crate) fn drive(value: &Value, parameter: f64) -> Drive {
+pub fn drive(value: &Value, parameter: f64) -> Drive {
     let number = |value: &Value| number_or(value, parameter);
     match text(&value["type"]) {
         "const" => number(&value["value"]).into(),
@@ -58,7 +58,7 @@ pub(crate) fn drive(value: &Value, parameter: f64) -> Drive {
     }
 }
 
-pub(crate) fn law(contact: &Value, parameter: f64) -> AnyLaw {
+pub fn law(contact: &Value, parameter: f64) -> AnyLaw {
     if contact.get("kt").is_some() {
         let coefficient = number(&contact["mu"]);
         return Coulomb::new(coefficient, coefficient).unwrap().into();
@@ -83,12 +83,12 @@ pub(crate) fn law(contact: &Value, parameter: f64) -> AnyLaw {
 }
 
 /// The system of a case, with a value of its parameter if it has one.
-pub(crate) fn structure(system: &Value, parameter: f64) -> Structure {
+pub fn structure(system: &Value, parameter: f64) -> Structure {
     with_laws(system, parameter, |contact| law(contact, parameter))
 }
 
 /// The system of a case whose contacts remember.
-pub(crate) fn remembering(system: &Value) -> Structure {
+pub fn remembering(system: &Value) -> Structure {
     with_laws(system, f64::NAN, contact_law)
 }
 
@@ -148,9 +148,9 @@ fn with_laws<L: ContactLaw + Send + Sync + 'static>(
 
 /// Any law, with a static coefficient of its own if it has to be.
 #[derive(Debug, Clone)]
-pub(crate) struct Raised {
-    pub(crate) law: AnyLaw,
-    pub(crate) static_coefficient: f64,
+pub struct Raised {
+    pub law: AnyLaw,
+    pub static_coefficient: f64,
 }
 
 impl FrictionLaw for Raised {

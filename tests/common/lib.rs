@@ -1,15 +1,21 @@
 //! What several test files share: reference data, laws of the tests' own, and random numbers that
 //! are the same in every run.
-#![allow(dead_code)] // each test file uses a part of it
+#![allow(missing_docs)] // what says itself is not said again
 
-pub(crate) mod any;
-pub(crate) mod orbit;
-pub(crate) mod polynomials;
-pub(crate) mod property;
-pub(crate) mod radau;
-pub(crate) mod simple;
+pub mod any;
+pub mod bristles;
+pub mod naive;
+pub mod orbit;
+pub mod plain;
+pub mod polynomials;
+pub mod property;
+pub mod radau;
+pub mod reading;
+pub mod simple;
+pub mod work;
 
 use std::cell::Cell;
+use std::path::Path;
 
 use serde_json::Value;
 use stick_slip::analysis::dwell::DwellOscillator;
@@ -20,12 +26,12 @@ use stick_slip::{
 };
 
 /// Reads JSON, by code that is compiled in `serde_json` and not once more in each program.
-pub(crate) fn json(text: &str) -> Value {
+pub fn json(text: &str) -> Value {
     text.parse().unwrap()
 }
 
 /// A reference number: a decimal string of 25 digits, rounded to `f64`.
-pub(crate) fn number(value: &Value) -> f64 {
+pub fn number(value: &Value) -> f64 {
     let text = value
         .as_str()
         .unwrap_or_else(|| panic!("not a decimal string: {value}"));
@@ -33,19 +39,19 @@ pub(crate) fn number(value: &Value) -> f64 {
 }
 
 /// The text of a JSON field.
-pub(crate) fn text(value: &Value) -> &str {
+pub fn text(value: &Value) -> &str {
     value.as_str().unwrap()
 }
 
 /// The items of a JSON array.
-pub(crate) fn list(value: &Value) -> &[Value] {
+pub fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap()
 }
 
 /// A message has the form of all: behind the name of what refused, if there is one, lower case; and
 /// no full stop.
 #[track_caller]
-pub(crate) fn assert_form(message: &str) {
+pub fn assert_form(message: &str) {
     let named = message.split_once(": ");
     let named = named.filter(|(of, _)| !of.contains(' '));
     let said = named.map_or(message, |(_, said)| said);
@@ -54,7 +60,7 @@ pub(crate) fn assert_form(message: &str) {
 }
 
 /// The event of a name in the reference data.
-pub(crate) fn kind(name: &str) -> EventKind {
+pub fn kind(name: &str) -> EventKind {
     match name {
         "stick" => EventKind::Stick,
         "release_negative" => EventKind::Release(Direction::Lagging),
@@ -68,7 +74,7 @@ pub(crate) fn kind(name: &str) -> EventKind {
 }
 
 /// The system of a reference case.
-pub(crate) fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
+pub fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
     let parameter = |name: &str| number(&case["law_params"][name]);
     let law = match text(&case["law"]) {
         "poly" => AnyLaw::Polynomial(
@@ -86,14 +92,14 @@ pub(crate) fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
 
 /// A system of which all numbers are right.
 #[track_caller]
-pub(crate) fn on_belt<L: FrictionLaw>(law: L, v_b: f64, damping: f64, load: f64) -> MassOnBelt<L> {
+pub fn on_belt<L: FrictionLaw>(law: L, v_b: f64, damping: f64, load: f64) -> MassOnBelt<L> {
     MassOnBelt::new(law, v_b)
         .and_then(|system| system.with_damping(damping)?.with_load(load))
         .unwrap()
 }
 
 /// The set of the source paper's Figs. 4 and 5: polynomial law, β = 0.05, γ² = 1.
-pub(crate) fn paper(belt_velocity: f64) -> MassOnBelt<Polynomial> {
+pub fn paper(belt_velocity: f64) -> MassOnBelt<Polynomial> {
     on_belt(
         Polynomial::new(0.4, 0.25, 0.5).unwrap(),
         belt_velocity,
@@ -104,9 +110,9 @@ pub(crate) fn paper(belt_velocity: f64) -> MassOnBelt<Polynomial> {
 
 /// Leine et al., Nonlinear Dynamics 16 (1998) 41-54: μ̂(s) = μ_s/(1 + δ s).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Leine {
-    pub(crate) static_coefficient: f64,
-    pub(crate) decay: f64,
+pub struct Leine {
+    pub static_coefficient: f64,
+    pub decay: f64,
 }
 
 impl FrictionLaw for Leine {
@@ -120,10 +126,10 @@ impl FrictionLaw for Leine {
 
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−s/v_s), an exponential of s and not of s².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Decay {
-    pub(crate) static_coefficient: f64,
-    pub(crate) kinetic_coefficient: f64,
-    pub(crate) velocity: f64,
+pub struct Decay {
+    pub static_coefficient: f64,
+    pub kinetic_coefficient: f64,
+    pub velocity: f64,
 }
 
 impl FrictionLaw for Decay {
@@ -138,7 +144,7 @@ impl FrictionLaw for Decay {
 
 /// μ̂ = √(0.8 − s): ends at s = 0.8 with a vertical tangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ends;
+pub struct Ends;
 
 impl FrictionLaw for Ends {
     fn static_coefficient(&self) -> f64 {
@@ -152,20 +158,20 @@ impl FrictionLaw for Ends {
 /// A table of (speed, coefficient), joined by straight lines and continued by the last of them. It
 /// starts at speed 0.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Table {
-    pub(crate) static_coefficient: f64,
-    pub(crate) points: Vec<(f64, f64)>,
+pub struct Table {
+    pub static_coefficient: f64,
+    pub points: Vec<(f64, f64)>,
 }
 
 impl Table {
     /// Coefficient at the start of a piece, speed there, and slope.
-    pub(crate) fn line(&self, piece: usize) -> (f64, f64, f64) {
+    pub fn line(&self, piece: usize) -> (f64, f64, f64) {
         let ((s0, c0), (s1, c1)) = (self.points[piece], self.points[piece + 1]);
         (c0, s0, (c1 - c0) / (s1 - s0))
     }
 
     /// The piece that holds a speed.
-    pub(crate) fn piece(&self, speed: f64) -> usize {
+    pub fn piece(&self, speed: f64) -> usize {
         self.breakpoints().take_while(|&b| b <= speed).count()
     }
 }
@@ -187,18 +193,35 @@ impl FrictionLaw for Table {
     }
 }
 
+/// Number of random cases of a test: a few in a usual run, all of them with the variable `FULL=1`,
+/// and n times all with `FULL=n`.
+pub fn count(few: usize, all: usize) -> usize {
+    match std::env::var("FULL") {
+        Ok(times) => all * times.parse::<usize>().expect("FULL: a whole number"),
+        Err(_) => few,
+    }
+}
+
+/// The repository: tests run in the folder of their package.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap()
+}
+
 /// Splitmix64: the same numbers on every machine and in every run, unless the variable `SEED` asks
 /// for others.
 #[derive(Debug, Clone)]
-pub(crate) struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         let other = std::env::var("SEED").map_or(0, |text| text.parse().expect("a number"));
         Self(seed.wrapping_add(other))
     }
 
-    pub(crate) fn bits(&mut self) -> u64 {
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -207,27 +230,27 @@ impl Random {
     }
 
     /// Uniform in [low, high).
-    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 * 0.5_f64.powi(53)
     }
 
     /// Uniform in the logarithm.
-    pub(crate) fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+    pub fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
         self.uniform(low.ln(), high.ln()).exp()
     }
 
     /// +1 or −1.
-    pub(crate) fn sign(&mut self) -> f64 {
+    pub fn sign(&mut self) -> f64 {
         if self.bits() & 1 == 0 { 1.0 } else { -1.0 }
     }
 
-    pub(crate) fn pick<T: Copy>(&mut self, items: &[T]) -> T {
+    pub fn pick<T: Copy>(&mut self, items: &[T]) -> T {
         items[(self.bits() % items.len() as u64) as usize]
     }
 
     /// One of the three laws of the crate, with μ_s in [0.2, 0.8) and its minimum at 0.3 to 1 of
     /// it.
-    pub(crate) fn law(&mut self) -> AnyLaw {
+    pub fn law(&mut self) -> AnyLaw {
         let static_coefficient = self.uniform(0.2, 0.8);
         let least = static_coefficient * self.uniform(0.3, 1.0);
         match self.bits() % 3 {
@@ -242,7 +265,7 @@ impl Random {
     }
 
     /// A system of ordinary size: 0.03 ≤ |v_b| < 2 with either sign, β < 0.4, 0.1 ≤ γ² < 5.
-    pub(crate) fn system(&mut self) -> MassOnBelt<AnyLaw> {
+    pub fn system(&mut self) -> MassOnBelt<AnyLaw> {
         let law = self.law();
         let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
         let damping = self.uniform(0.0, 0.4);
@@ -252,13 +275,13 @@ impl Random {
 }
 
 /// Distance between neighbouring numbers at |x|.
-pub(crate) fn ulp(x: f64) -> f64 {
+pub fn ulp(x: f64) -> f64 {
     x.abs().next_up() - x.abs()
 }
 
 /// (u, v, v_b) → (−u, −v, −v_b), to the bit.
 #[track_caller]
-pub(crate) fn assert_mirrored(a: &LimitCycle, b: &LimitCycle, about: &str) {
+pub fn assert_mirrored(a: &LimitCycle, b: &LimitCycle, about: &str) {
     let of = |cycle: &LimitCycle| {
         (
             cycle.kind(),
@@ -286,14 +309,14 @@ pub(crate) fn assert_mirrored(a: &LimitCycle, b: &LimitCycle, about: &str) {
 }
 
 /// A law whose static coefficient is NaN from some call on.
-pub(crate) struct TurnsNan {
+pub struct TurnsNan {
     calls: Cell<u32>,
     good: u32,
 }
 
 impl TurnsNan {
     /// Right for so many calls.
-    pub(crate) fn after(good: u32) -> Self {
+    pub fn after(good: u32) -> Self {
         let calls = Cell::new(0);
         Self { calls, good }
     }
@@ -314,7 +337,7 @@ impl FrictionLaw for TurnsNan {
 }
 
 /// The mass of a closed formula on its belt.
-pub(crate) fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
+pub fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
     let contact = Contact::new(0, of.law, of.load).unwrap();
     Structure::new(&[of.mass])
         .and_then(|s| s.with_ground_spring(0, of.stiffness))
@@ -324,7 +347,7 @@ pub(crate) fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
 }
 
 /// The mass of a closed formula on a surface at rest, with the force at this phase.
-pub(crate) fn forced(of: &ForcedOscillator, phase: f64) -> Structure {
+pub fn forced(of: &ForcedOscillator, phase: f64) -> Structure {
     let law = Coulomb::new(of.static_friction, of.kinetic_friction).unwrap();
     let force = Drive::harmonic(of.force, of.angular_frequency, phase).unwrap();
     Structure::new(&[1.0])

@@ -3,7 +3,7 @@
 use stick_slip::nalgebra::{DMatrix, DVector};
 
 /// Whether a matrix B M⁻¹Bᵀ is that of independent rows.
-pub(crate) fn is_definite(compliance: &DMatrix<f64>) -> bool {
+pub fn is_definite(compliance: &DMatrix<f64>) -> bool {
     let Some(factor) = compliance.clone().cholesky() else {
         return false;
     };
@@ -13,18 +13,18 @@ pub(crate) fn is_definite(compliance: &DMatrix<f64>) -> bool {
 
 /// Contacts with r = 0 that ask what to do: a = a⁰ − G λ.
 #[derive(Debug, Clone)]
-pub(crate) struct Question {
+pub struct Question {
     /// G.
-    pub(crate) compliance: DMatrix<f64>,
+    pub compliance: DMatrix<f64>,
     /// a⁰.
-    pub(crate) free: DVector<f64>,
+    pub free: DVector<f64>,
     /// N μ_s and N μ̂(0).
-    pub(crate) limits: Vec<f64>,
-    pub(crate) kinetic: Vec<f64>,
+    pub limits: Vec<f64>,
+    pub kinetic: Vec<f64>,
 }
 
 /// 0 sticks, ±1 slips with that sign.
-pub(crate) type Pattern = Vec<i8>;
+pub type Pattern = Vec<i8>;
 
 impl Question {
     /// G of some of them.
@@ -83,7 +83,7 @@ impl Question {
     }
 
     /// The pattern that solves the programme with given limits, and how clearly.
-    pub(crate) fn programme(&self, limits: &[f64]) -> Option<(Pattern, f64)> {
+    pub fn programme(&self, limits: &[f64]) -> Option<(Pattern, f64)> {
         let patterns = self.patterns();
         let margins = patterns.filter_map(|p| Some((self.margin(&p, limits, limits)?, p)));
         let best = margins.max_by(|a, b| a.0.total_cmp(&b.0));
@@ -92,14 +92,14 @@ impl Question {
 
     /// All that stuck contacts can hold while those that slip carry their kinetic force and go its
     /// way.
-    pub(crate) fn consistent(&self) -> Vec<Pattern> {
+    pub fn consistent(&self) -> Vec<Pattern> {
         let keeps = |p: &Pattern| self.margin(p, &self.limits, &self.kinetic) > Some(0.0);
         self.patterns().filter(keeps).collect()
     }
 
     /// The fastest yields first: its answer, and how clear it is; `None` if dependent contacts stay
     /// at rest.
-    pub(crate) fn fastest_first(&self) -> Option<(Pattern, f64)> {
+    pub fn fastest_first(&self) -> Option<(Pattern, f64)> {
         let k = self.limits.len();
         let mut limits = self.limits.clone();
         let mut yielded = vec![false; k];

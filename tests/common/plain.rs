@@ -8,19 +8,19 @@ use stick_slip::{
     Structure, Tabulated,
 };
 
-use crate::common::Random;
+use crate::Random;
 use crate::naive::{Question, is_definite};
 
 /// constant + Σ a cos(Ωt + φ) + straight lines through points.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct PlainDrive {
-    pub(crate) constant: f64,
-    pub(crate) harmonics: Vec<[f64; 3]>,
-    pub(crate) points: Vec<(f64, f64)>,
+pub struct PlainDrive {
+    pub constant: f64,
+    pub harmonics: Vec<[f64; 3]>,
+    pub points: Vec<(f64, f64)>,
 }
 
 impl PlainDrive {
-    pub(crate) fn at(&self, t: f64, before: bool) -> [f64; 2] {
+    pub fn at(&self, t: f64, before: bool) -> [f64; 2] {
         let mut sum = [self.constant, 0.0];
         for &[a, omega, phase] in &self.harmonics {
             sum[0] += a * (omega * t + phase).cos();
@@ -85,22 +85,22 @@ impl PlainDrive {
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct PlainContact {
+pub struct PlainContact {
     /// b, with a number for each coordinate.
-    pub(crate) direction: DVector<f64>,
-    pub(crate) law: AnyLaw,
-    pub(crate) load: PlainDrive,
-    pub(crate) gradient: Vec<f64>,
-    pub(crate) belt: PlainDrive,
+    pub direction: DVector<f64>,
+    pub law: AnyLaw,
+    pub load: PlainDrive,
+    pub gradient: Vec<f64>,
+    pub belt: PlainDrive,
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct Plain {
-    pub(crate) mass: DMatrix<f64>,
-    pub(crate) stiffness: DMatrix<f64>,
-    pub(crate) damping: DMatrix<f64>,
-    pub(crate) forces: Vec<PlainDrive>,
-    pub(crate) contacts: Vec<PlainContact>,
+pub struct Plain {
+    pub mass: DMatrix<f64>,
+    pub stiffness: DMatrix<f64>,
+    pub damping: DMatrix<f64>,
+    pub forces: Vec<PlainDrive>,
+    pub contacts: Vec<PlainContact>,
 }
 
 /// e_i.
@@ -143,7 +143,7 @@ fn any_law(random: &mut Random) -> AnyLaw {
 
 impl Plain {
     /// One to four masses of ordinary size.
-    pub(crate) fn random(random: &mut Random) -> Self {
+    pub fn random(random: &mut Random) -> Self {
         let n = 1 + (random.bits() % 4) as usize;
         let mut stiffness = DMatrix::zeros(n, n);
         let mut damping = stiffness.clone();
@@ -213,7 +213,7 @@ impl Plain {
     }
 
     /// A start; sometimes with masses that move with their belts.
-    pub(crate) fn start(&self, random: &mut Random) -> State {
+    pub fn start(&self, random: &mut Random) -> State {
         let n = self.len();
         let q: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
         let mut v: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
@@ -228,7 +228,7 @@ impl Plain {
 
     /// One to six coordinates, and as many contacts, in any direction. Where numbers are `coarse`
     /// they are multiples of 1/4: many contacts stand on their edges, or come to them together.
-    pub(crate) fn shared(random: &mut Random, coarse: bool) -> Self {
+    pub fn shared(random: &mut Random, coarse: bool) -> Self {
         fn round(x: f64) -> f64 {
             (4.0 * x).round() / 4.0
         }
@@ -335,7 +335,7 @@ impl Plain {
     }
 
     /// A start in which a few contacts are at rest, or all masses.
-    pub(crate) fn start_at_rest(&self, random: &mut Random) -> State {
+    pub fn start_at_rest(&self, random: &mut Random) -> State {
         let n = self.len();
         let scale = random.pick(&[0.0, 0.5, 1.0]);
         let q: Vec<f64> = (0..n).map(|_| scale * random.uniform(-1.0, 1.0)).collect();
@@ -363,7 +363,7 @@ impl Plain {
 
     /// Whether every contact is at rest to the bit at the start, or surely not: what is at rest but
     /// for rounding comes to rest a moment later, and until then others decide as if it slid.
-    pub(crate) fn is_clear(&self, start: &State) -> bool {
+    pub fn is_clear(&self, start: &State) -> bool {
         let structure = self.structure();
         let mut belts = std::iter::zip(structure.contacts(), &self.contacts);
         // Sums of harmonics may be rounded in another order.
@@ -373,7 +373,7 @@ impl Plain {
     }
 
     /// The number of contacts that are at rest at the start.
-    pub(crate) fn resting(&self, start: &State) -> usize {
+    pub fn resting(&self, start: &State) -> usize {
         self.starts(start).filter(|r| *r == 0.0).count()
     }
 
@@ -384,11 +384,11 @@ impl Plain {
     }
 
     /// Number of coordinates.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.mass.nrows()
     }
 
-    pub(crate) fn structure(&self) -> Structure {
+    pub fn structure(&self) -> Structure {
         let mut structure = Structure::with_mass_matrix(self.mass.clone())
             .and_then(|s| s.with_stiffness(self.stiffness.clone()))
             .and_then(|s| s.with_damping(self.damping.clone()))
@@ -411,7 +411,7 @@ impl Plain {
     }
 
     /// The rows b of some contacts.
-    pub(crate) fn rows(&self, contacts: &[usize]) -> DMatrix<f64> {
+    pub fn rows(&self, contacts: &[usize]) -> DMatrix<f64> {
         DMatrix::from_fn(contacts.len(), self.len(), |c, j| {
             self.contacts[contacts[c]].direction[j]
         })
@@ -430,7 +430,7 @@ impl Plain {
 
 /// What a contact does: slips to a side, sticks, or is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Does {
+pub enum Does {
     Slip(f64),
     Stick,
     Open,
@@ -438,11 +438,11 @@ pub(crate) enum Does {
 
 /// Time, contact, a letter (s: stick, r: release, x: crossing, o: open, c: close, u: dependent
 /// contacts stick together), and the side of the slip after a release or a crossing.
-pub(crate) type Seen = (f64, usize, char, f64);
+pub type Seen = (f64, usize, char, f64);
 
 impl Plain {
     /// The load of each contact.
-    pub(crate) fn loads(&self, t: f64, q: &DVector<f64>, before: bool) -> Vec<f64> {
+    pub fn loads(&self, t: f64, q: &DVector<f64>, before: bool) -> Vec<f64> {
         let load = |contact: &PlainContact| {
             let gradient: f64 = contact.gradient.iter().zip(q).map(|(n, q)| n * q).sum();
             contact.load.at(t, before)[0] + gradient
@@ -451,14 +451,14 @@ impl Plain {
     }
 
     /// The relative velocity of a contact.
-    pub(crate) fn sliding(&self, c: usize, t: f64, v: &DVector<f64>) -> f64 {
+    pub fn sliding(&self, c: usize, t: f64, v: &DVector<f64>) -> f64 {
         let contact = &self.contacts[c];
         contact.direction.dot(v) - contact.belt.at(t, false)[0]
     }
 }
 
 /// Equations of motion with the modes of all contacts.
-pub(crate) struct Simple<'p> {
+pub struct Simple<'p> {
     plain: &'p Plain,
     /// M⁻¹.
     inverse: DMatrix<f64>,
@@ -474,7 +474,7 @@ pub(crate) struct Simple<'p> {
 }
 
 impl<'p> Simple<'p> {
-    pub(crate) fn new(plain: &'p Plain, start: &State) -> Self {
+    pub fn new(plain: &'p Plain, start: &State) -> Self {
         Self {
             plain,
             inverse: plain.mass.clone().try_inverse().unwrap(),
@@ -490,7 +490,7 @@ impl<'p> Simple<'p> {
     }
 
     /// Sets the modes; false if contacts that stick are dependent.
-    pub(crate) fn set(&mut self, does: Vec<Does>) -> bool {
+    pub fn set(&mut self, does: Vec<Does>) -> bool {
         let contacts = 0..does.len();
         self.stuck = contacts.filter(|&c| does[c] == Does::Stick).collect();
         self.does = does;
@@ -507,7 +507,7 @@ impl<'p> Simple<'p> {
     }
 
     /// dv/dt and what each contact carries; `before`: of the piece of the drives that ends at t.
-    pub(crate) fn rates(
+    pub fn rates(
         &self,
         t: f64,
         q: &DVector<f64>,
@@ -684,7 +684,7 @@ impl<'p> Simple<'p> {
 impl Plain {
     /// The events of a motion over a time; an `o` of a load that depends on displacements is its
     /// end.
-    pub(crate) fn events(&self, start: &State, duration: f64, step: f64) -> Vec<Seen> {
+    pub fn events(&self, start: &State, duration: f64, step: f64) -> Vec<Seen> {
         let mut simple = Simple::new(self, start);
         let all: Vec<usize> = (0..self.contacts.len()).collect();
         let goes_on = simple.change(&all);

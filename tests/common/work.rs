@@ -4,10 +4,10 @@ use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::{State, Step};
 use stick_slip::{AnyLaw, FrictionLaw, Mode, Segment, Structure, Trajectory};
 
-use crate::common::orbit::integrate;
+use crate::orbit::integrate;
 
 /// A structure whose contacts have laws of dry friction.
-pub(crate) struct Work<'s> {
+pub struct Work<'s> {
     structure: &'s Structure,
     laws: &'s [AnyLaw],
     mass: DMatrix<f64>,
@@ -17,7 +17,7 @@ pub(crate) struct Work<'s> {
 }
 
 impl<'s> Work<'s> {
-    pub(crate) fn new(structure: &'s Structure, laws: &'s [AnyLaw]) -> Self {
+    pub fn new(structure: &'s Structure, laws: &'s [AnyLaw]) -> Self {
         let mass = structure.mass_matrix().into_owned();
         let mut rows = DMatrix::zeros(laws.len(), structure.len());
         for (c, contact) in structure.contacts().iter().enumerate() {
@@ -35,7 +35,7 @@ impl<'s> Work<'s> {
     }
 
     /// What contacts with these modes carry.
-    pub(crate) fn carried(&self, time: f64, state: &State, modes: &[Mode]) -> DVector<f64> {
+    pub fn carried(&self, time: f64, state: &State, modes: &[Mode]) -> DVector<f64> {
         let structure = self.structure;
         let [q, v] =
             [&state.displacements, &state.velocities].map(|x| DVector::from_column_slice(x));
@@ -115,7 +115,7 @@ impl<'s> Work<'s> {
     }
 
     /// What is missing in the balance of energy and work over a step, with the sizes of all terms.
-    pub(crate) fn missing(&self, step: &Step) -> Sum {
+    pub fn missing(&self, step: &Step) -> Sum {
         let (start, duration) = (step.start_time(), step.duration());
         let power = |t: f64| self.power(&step.state_at(t), start + t, step.modes());
         let mut sum = Sum {
@@ -129,7 +129,7 @@ impl<'s> Work<'s> {
 
     /// Work is the change of energy over every step, at round-off. Returns the largest part
     /// missing.
-    pub(crate) fn balances(&self, motion: &Trajectory<State>, about: &str) -> f64 {
+    pub fn balances(&self, motion: &Trajectory<State>, about: &str) -> f64 {
         let steps = motion.steps().iter().filter(|step| step.duration() > 0.0);
         let parts = steps.map(|step| {
             let missing = self.missing(step);
@@ -144,7 +144,7 @@ impl<'s> Work<'s> {
 
 /// A sum, and the sum of the sizes of its terms.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Sum {
+pub struct Sum {
     value: f64,
     size: f64,
 }
@@ -168,7 +168,7 @@ impl Sum {
 
     /// The value in parts of the size; of terms below the least, all is rounding of larger ones
     /// before.
-    pub(crate) fn part(&self, least: f64) -> f64 {
+    pub fn part(&self, least: f64) -> f64 {
         self.value.abs() / self.size.max(least)
     }
 }
