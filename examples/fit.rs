@@ -15,10 +15,10 @@
 //! * the start is a parameter like any other. Fit every unknown quantity; otherwise its error
 //!   changes the coefficients.
 //!
-//! Run it with `cargo run --release -p stick-slip-examples --example fit`.
+//! Run it with `cargo run --release -p stick-slip-fit --example fit`.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra_of_fit::{DMatrix, DVector, Dyn, Owned};
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use stick_slip::orbit::{Sensitivities, sensitivities};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Error, Exponential, Structure};

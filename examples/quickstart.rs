@@ -12,7 +12,7 @@
 //!   oscillations to settle; on a slow belt stick and slip alternate (Figs. 5 and 7), and the
 //!   motion is periodic after the first release: its multiplier is 0.
 //!
-//! Run it with `cargo run --example quickstart`.
+//! Run it with `cargo run -p quickstart --example quickstart`.
 
 use stick_slip::{
     Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, State, Trajectory, limit_cycle,
