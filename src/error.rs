@@ -145,7 +145,8 @@ pub enum Error {
         kinetic_coefficient: f64,
     },
 
-    /// The law returned an infinite or NaN coefficient.
+    /// The law returned an infinite or NaN number: a coefficient, the rate of a memory variable, or
+    /// a memory variable after an event.
     #[error(
         "the friction law gives {value} at sliding speed {}{}; define the law for every speed \
          that the motion reaches, or start closer to the belt velocity",
@@ -153,9 +154,9 @@ pub enum Error {
         during(reached)
     )]
     NonFiniteFriction {
-        /// Sliding speed s ≥ 0.
+        /// Sliding speed s ≥ 0; 0 in stick.
         speed: f64,
-        /// The coefficient that the law returned at this speed.
+        /// The number that the law returned at this speed.
         value: f64,
         /// The time and state reached; `None` if the error arose before the integration, for
         /// example in a constructor.
@@ -329,8 +330,9 @@ pub enum Error {
     /// is determined.
     #[error(
         "contacts {contacts:?} all stick {reached}, but their directions are linearly dependent: \
-         the force in each of them is not determined; replace them by one contact with the sum of \
-         their loads"
+         the force in each of them is not determined; make them elastic by \
+         `with_tangential_stiffness`, or replace contacts of the same direction by one contact \
+         whose limit of the force, in each direction, is the sum of their limits"
     )]
     Undetermined {
         /// The numbers of these contacts.

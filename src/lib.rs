@@ -70,7 +70,7 @@
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
-//! | a law that depends on the direction | a [`ContactLaw`] receives the direction; a [`FrictionLaw`] is odd in the relative velocity |
+//! | a law that depends on the direction | in slip: a [`ContactLaw`] receives the direction, a [`FrictionLaw`] is odd in the relative velocity; in stick: not available, the limit μ_s is the same in both directions |
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
 //! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |

@@ -276,7 +276,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         let mut stop = |step: &Step| {
             let converted = step.in_units(units);
             let time = stop(&converted)?;
-            // The end of a step remains its end, and keeps the event there.
+            // NaN stays NaN. The end of a step remains its end, and keeps the event there.
             let is_end = time >= converted.end_time();
             let time = self.scaling.dimensionless_time(time);
             Some(if is_end { step.end_time() } else { time })

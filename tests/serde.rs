@@ -614,6 +614,19 @@ fn blocks() -> Structure {
         .unwrap()
 }
 
+/// A short text cannot ask for matrices that fill the memory.
+#[test]
+fn structures_of_too_many_masses_are_not_read() {
+    let many = |n: usize, number: &str| vec![number; n].join(",");
+    let text = format!(r#"{{"masses":[{}]}}"#, many(100_000, "1"));
+    refused::<Structure>(
+        &text,
+        "masses = 100000 is not allowed: at least 1 and at most 4096",
+    );
+    let text = format!(r#"{{"mass_matrix":[{}]}}"#, many(100_000, "[]"));
+    refused::<Structure>(&text, "at most 4096");
+}
+
 #[test]
 fn structures_there_and_back() {
     let text = there_and_back(&Drive::sine(0.4, 0.7).unwrap());

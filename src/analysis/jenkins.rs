@@ -188,7 +188,8 @@ pub fn backbone(
 ///
 /// After a closed loop, the curve that the loop interrupted continues as if there had been no loop;
 /// this holds also for the first loading. The area of a closed loop between −A and A is
-/// D = 8∫F dx − 4A F(A), integrated over 0 ≤ x ≤ A. `None` unless all displacements are finite.
+/// D = 8∫F dx − 4A F(A), integrated over 0 ≤ x ≤ A. `None` unless all displacements and all forces
+/// are finite.
 ///
 /// ```
 /// use stick_slip::Iwan4;
@@ -215,7 +216,7 @@ pub fn masing(backbone: impl Fn(f64) -> f64, displacements: &[f64]) -> Option<Ve
     let mut rises = None;
     let forces = displacements.iter().map(|&x| {
         if x == last[0] {
-            return last[1];
+            return Some(last[1]);
         }
         let now_rises = x > last[0];
         if rises.is_some_and(|rises| rises != now_rises) {
@@ -240,9 +241,9 @@ pub fn masing(backbone: impl Fn(f64) -> f64, displacements: &[f64]) -> Option<Ve
             }
         };
         last = [x, force];
-        force
+        force.is_finite().then_some(force)
     });
-    Some(forces.collect())
+    forces.collect()
 }
 
 fn are_positive(numbers: &[f64]) -> bool {

@@ -92,7 +92,8 @@ pub trait Segment: sealed::Sealed + Clone {
     /// The first time in this step at which a function f of the state is 0. The time is exact to
     /// the last bit. `None` if f has no zero in this step, or if the step has infinite duration.
     ///
-    /// f must be continuous. A zero at the start of the step does not count: it belongs to the step
+    /// f must be continuous. If f is NaN where it is evaluated, at or before its first zero, the
+    /// result is NaN, and [`Integrator::simulate_until`] returns an error. A zero at the start of the step does not count: it belongs to the step
     /// before. A zero without a change of sign may be missed. f is evaluated at 33 times. Between
     /// these times, extremes of f near zero are searched. Two zeros between neighbouring times are
     /// therefore usually found; they may be missed near another such pair or near an end of the
@@ -115,6 +116,9 @@ pub trait Segment: sealed::Sealed + Clone {
     /// ```
     fn first_zero(&self, mut f: impl FnMut(&Self::State) -> f64) -> Option<f64> {
         let t = root::first_zero(&mut |t| f(&self.state_at(t)), self.duration())?;
-        Some((self.start_time() + t).min(self.end_time()))
+        let time = self.start_time() + t;
+        // The sum may round beyond the end. `min` would hide NaN.
+        let is_beyond = time > self.end_time();
+        Some(if is_beyond { self.end_time() } else { time })
     }
 }

@@ -9,8 +9,20 @@ const PARTS: usize = 32;
 const SECTIONS: usize = 48;
 
 /// The first time t in (0, h] at which f is zero or changes its sign, to the last bit; `None` for
-/// infinite h. NaN is skipped.
+/// infinite h; NaN if f is NaN where it is evaluated.
 pub(super) fn first_zero(f: &mut dyn FnMut(f64) -> f64, h: f64) -> Option<f64> {
+    let mut is_nan = false;
+    let mut f = |t: f64| {
+        let value = f(t);
+        is_nan |= value.is_nan();
+        value
+    };
+    let found = search(&mut f, h);
+    if is_nan { Some(f64::NAN) } else { found }
+}
+
+/// The search; with NaN it ends with any result.
+fn search(f: &mut dyn FnMut(f64) -> f64, h: f64) -> Option<f64> {
     if !h.is_finite() {
         return None;
     }
@@ -25,7 +37,7 @@ pub(super) fn first_zero(f: &mut dyn FnMut(f64) -> f64, h: f64) -> Option<f64> {
     for i in 0..=PARTS {
         let here = (place(i), f(place(i)));
         if here.1.is_nan() {
-            continue;
+            return None;
         }
         let Some(&last) = seen.last() else {
             // A function that starts at zero has the sign that it takes first.
@@ -134,9 +146,24 @@ mod tests {
     }
 
     #[test]
-    fn nan_is_passed_over() {
-        assert_eq!(first_zero(&mut |_| f64::NAN, 1.0), None);
-        let mut f = |t: f64| if t < 0.25 { f64::NAN } else { t - 0.75 };
-        assert_eq!(first_zero(&mut f, 1.0), Some(0.75));
+    fn nan_is_said() {
+        let is_nan = |f: &mut dyn FnMut(f64) -> f64| first_zero(f, 1.0).unwrap().is_nan();
+        assert!(is_nan(&mut |_| f64::NAN));
+        assert!(is_nan(&mut |t| if t < 0.25 { f64::NAN } else { t - 0.75 }));
+        // Between the places, on the way to a root or to an extreme.
+        let near = |at: f64, t: f64| (t - at).abs() < 1e-3;
+        assert!(is_nan(&mut |t| if near(0.74, t) {
+            f64::NAN
+        } else {
+            t - 0.74
+        }));
+        assert!(is_nan(&mut |t| if near(0.41, t) {
+            f64::NAN
+        } else {
+            (t - 0.41).abs()
+        }));
+        // Beyond the zero it is not evaluated.
+        let mut f = |t: f64| if t > 0.5 { f64::NAN } else { t - 0.3 };
+        assert_eq!(first_zero(&mut f, 1.0), Some(0.3));
     }
 }

@@ -378,10 +378,13 @@ pub(super) fn checked_direction(
 
 /// Returns the normal load N0(t) if it is a valid one.
 fn checked_load(load: Drive) -> Result<Drive, Error> {
-    load.check("load", "load > 0")?;
+    const ALLOWED: &str = "load > 0; for surfaces with a gap, measure displacements from a position \
+                           in which the surfaces touch, where the load is positive: see \
+                           `Contact::with_normal_spring`";
+    load.check("load", ALLOWED)?;
     if load.is_constant() {
         let value = load.value(0.0);
-        Error::check("Contact", "load", value, value > 0.0, "load > 0")?;
+        Error::check("Contact", "load", value, value > 0.0, ALLOWED)?;
     }
     Ok(load)
 }

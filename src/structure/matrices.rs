@@ -4,19 +4,24 @@ use nalgebra::DMatrix;
 
 use crate::error::{Element, Error};
 
+/// The largest number of coordinates: a matrix of this size takes 128 MiB.
+pub(super) const MAX_COORDINATES: usize = 4096;
+
+/// Checks the number of coordinates. Called before a matrix of this size exists.
+pub(super) fn check_count(coordinates: usize) -> Result<(), Error> {
+    const { assert!(MAX_COORDINATES == 4096) } // the number in the message
+    let allowed = "at least 1 and at most 4096: their number; reduce a larger model to its first \
+                   modes";
+    let in_range = (1..=MAX_COORDINATES).contains(&coordinates);
+    Error::check("Structure", "masses", coordinates as f64, in_range, allowed).map(drop)
+}
+
 /// Checks the masses of a structure.
 pub(super) fn check_masses(
     masses: &[f64],
     element: impl Fn(usize) -> Element,
 ) -> Result<(), Error> {
-    let n = masses.len();
-    Error::check(
-        "Structure",
-        "masses",
-        n as f64,
-        n > 0,
-        "at least one: their number",
-    )?;
+    check_count(masses.len())?;
     for (i, &mass) in masses.iter().enumerate() {
         Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
             .map_err(|error| error.of_element(element(i)))?;

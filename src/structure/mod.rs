@@ -64,6 +64,13 @@
 //! | where steady sliding becomes unstable along a speed profile, and why vibration begins later | [`Structure::stability_changes`] |
 //! | periodic motions, multipliers, bifurcations, chaos | [`orbit`](crate::orbit) |
 //!
+//! Stiffnesses and damping constants may be negative. With a negative damping constant, or with a
+//! damping matrix whose symmetric part has a negative eigenvalue, motions can grow without bound.
+//! This is not an error: the linear terms of an aerodynamic force or of a follower force may have
+//! this sign. When you fit a damping constant, bound it from below by 0. (The damping of a
+//! [`MassOnBelt`](crate::MassOnBelt), and that of a [`Physical`](crate::Physical) system, must not
+//! be negative.)
+//!
 //! # Frames that move at a varying speed
 //!
 //! Coordinates may be measured in a frame that rotates (or travels) with the velocity Ω(t), for

@@ -4,6 +4,7 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::matrices::check_count;
 use crate::drive::Drive;
 use crate::error::Error;
 use crate::friction::memory::{AnyContactLaw, Dahl, Dwell, LuGre, NamedLaw};
@@ -179,8 +180,9 @@ impl TryFrom<StructureText> for super::Structure {
                 "rows of the mass matrix",
                 "numbers in a row of the mass matrix",
             ];
-            check_count("masses beside a mass matrix", read.masses.len(), 0)?;
+            check_length("masses beside a mass matrix", read.masses.len(), 0)?;
             let n = read.mass_matrix.len();
+            check_count(n)?;
             Self::with_mass_matrix(from_rows(&read.mass_matrix, n, names)?)?
         };
         if !read.stiffness.is_empty() {
@@ -200,7 +202,7 @@ impl TryFrom<StructureText> for super::Structure {
             structure = structure.with_damping(matrix)?;
         }
         if !read.forces.is_empty() {
-            check_count("forces", read.forces.len(), structure.len())?;
+            check_length("forces", read.forces.len(), structure.len())?;
         }
         for (i, force) in read.forces.into_iter().enumerate() {
             structure = structure.with_force(i, force)?;
@@ -223,14 +225,14 @@ fn from_rows(
     expected: usize,
     [names, numbers]: [&'static str; 2],
 ) -> Result<DMatrix<f64>, Error> {
-    check_count(names, rows.len(), expected)?;
+    check_length(names, rows.len(), expected)?;
     for row in rows {
-        check_count(numbers, row.len(), expected)?;
+        check_length(numbers, row.len(), expected)?;
     }
     Ok(DMatrix::from_fn(expected, expected, |i, j| rows[i][j]))
 }
 
-fn check_count(name: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+fn check_length(name: &'static str, found: usize, expected: usize) -> Result<(), Error> {
     if found == expected {
         return Ok(());
     }

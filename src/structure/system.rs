@@ -4,7 +4,10 @@ use nalgebra::DMatrix;
 
 use super::contact::Contact;
 use super::engine::model::{Mass, Model};
-use super::matrices::{add, add_between, add_matrix, check_definite, check_masses, make_symmetric};
+use super::matrices::{
+    MAX_COORDINATES, add, add_between, add_matrix, check_count, check_definite, check_masses,
+    make_symmetric,
+};
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
@@ -133,13 +136,18 @@ pub struct Structure {
 }
 
 impl Structure {
+    /// The largest number of coordinates, 4096. Matrices are stored with all their entries: at this
+    /// size each takes 128 MiB.
+    pub const MAX_COORDINATES: usize = MAX_COORDINATES;
+
     /// Creates a structure of free masses m_i > 0, one for each coordinate, without springs,
     /// dampers, forces or contacts.
     ///
     /// # Errors
     ///
     /// [`Error::BadElement`] for the first mass that is not positive and finite;
-    /// [`Error::InvalidParameter`] if the list is empty.
+    /// [`Error::InvalidParameter`] if the list is empty or has more than
+    /// [`MAX_COORDINATES`](Self::MAX_COORDINATES) entries.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
         check_masses(masses, Element::Mass)?;
         let n = masses.len();
@@ -162,8 +170,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] if the matrix is empty, [`Error::WrongSize`] if it is not
-    ///   square;
+    /// * [`Error::InvalidParameter`] if the matrix is empty or has more than
+    ///   [`MAX_COORDINATES`](Self::MAX_COORDINATES) rows, [`Error::WrongSize`] if it is not square;
     /// * [`Error::BadElement`] for the first entry that is not finite, or not positive on the
     ///   diagonal;
     /// * [`Error::NotSymmetric`] or [`Error::NotPositiveDefinite`] if the matrix is not symmetric
@@ -191,6 +199,7 @@ impl Structure {
                 expected: n,
             });
         }
+        check_count(n)?;
         let element = |i: usize| Element::MassMatrix(i, i);
         let diagonal: Vec<f64> = mass.diagonal().iter().copied().collect();
         check_masses(&diagonal, element)?;

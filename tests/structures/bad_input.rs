@@ -74,6 +74,53 @@ fn mass_matrices_are_symmetric_and_definite() {
     assert_eq!(made(3, &tiny), Err(Error::NotPositiveDefinite { row: 2 }));
 }
 
+/// Matrices are dense: a number of coordinates beyond the bound is refused before they exist. (With
+/// 200 000 coordinates one of them would take 320 GB.)
+#[test]
+fn the_number_of_coordinates_is_bounded() {
+    let most = Structure::MAX_COORDINATES;
+    for n in [most + 1, 200_000] {
+        let refused = Structure::new(&vec![1.0; n]).unwrap_err();
+        let expected = ("Structure", "masses", n as f64);
+        assert!(
+            matches!(refused, Error::InvalidParameter { of, name, value, .. }
+                if (of, name, value) == expected),
+            "{refused:?}"
+        );
+        let parts = [&format!("masses = {n}")[..], "at most 4096", "modes"];
+        message(Structure::new(&vec![1.0; n]), &parts);
+    }
+    // The masses themselves are not looked at first.
+    message(Structure::new(&vec![-1.0; most + 1]), &["at most 4096"]);
+    let mass = DMatrix::<f64>::zeros(most + 1, most + 1);
+    message(Structure::with_mass_matrix(mass), &["at most 4096"]);
+    assert_eq!(masses(most).len(), most);
+}
+
+/// The words about a load that is not positive say what describes a gap, and those about parallel
+/// contacts in stick what can replace them.
+#[test]
+fn remedies_fit_gaps_and_parallel_contacts() {
+    for load in [0.0, -2.5, f64::NAN] {
+        let gap = Contact::new(0, law(), load);
+        message(
+            gap.map(drop),
+            &["load > 0", "gap", "`Contact::with_normal_spring`"],
+        );
+    }
+    let pads = [0.0, 1.0].map(|_| Contact::new(0, law(), 1.0).unwrap());
+    let stuck = masses(1)
+        .with_contacts(pads)
+        .unwrap()
+        .simulate(State::at_rest(1), 1.0);
+    let remedies = [
+        "`with_tangential_stiffness`",
+        "in each direction",
+        "sum of their limits",
+    ];
+    message(stuck, &remedies);
+}
+
 #[test]
 fn directions_have_different_coordinates_and_numbers_that_are_not_0() {
     let bad: [&[(usize, f64)]; 7] = [

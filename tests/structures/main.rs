@@ -22,6 +22,7 @@ mod formulas;
 mod identities;
 mod memory;
 mod memory_formulas;
+mod not_numbers;
 mod random;
 mod steady;
 mod stiff_memory;

@@ -135,6 +135,10 @@ pub enum NamedLaw {
 /// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
 /// on the direction of slip, and on the numbers that [`Scalar::value`] returns for its arguments.
 ///
+/// The limits of stick are symmetric: there is one μ_s for both directions, at least as large as
+/// the larger kinetic coefficient at speed 0. A law with a smaller coefficient in one direction
+/// describes slip in this direction, but not its onset: the contact sticks up to ±N·μ_s.
+///
 /// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros.
 /// At speed 0, μ_s must be at least |μ|, and friction must oppose slip. The law must be continuous
 /// at its breakpoints and, if it never sticks, at r = 0.
@@ -190,8 +194,8 @@ pub trait ContactLaw: Sized {
     /// force −λ: friction with a positive μ opposes a positive r.
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
-    /// Static coefficient μ_s(z), dimensionless: the contact sticks while its force is at most
-    /// N·μ_s. `None` for a contact that never sticks. The argument `zero` is the number 0 of type
+    /// Static coefficient μ_s(z), dimensionless: the contact sticks while the size of its force is
+    /// at most N·μ_s, in both directions. `None` for a contact that never sticks. The argument `zero` is the number 0 of type
     /// `S`: `zero.constant(0.4)` is the constant 0.4 of this type.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 

@@ -280,6 +280,11 @@ const AT_A_TIME: usize = 16;
 fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
     contacts.into_iter().find_map(|(state, series)| {
+        // The law gives the memory after an event.
+        if let Some(&value) = state.memory.iter().find(|z| !z.is_finite()) {
+            let speed = state.speed();
+            return Some(LawFault::NonFinite { speed, value });
+        }
         let Phase::Slip { speed, .. } = state.phase else {
             return None;
         };

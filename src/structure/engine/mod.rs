@@ -71,6 +71,7 @@ use transitions::{close, decide};
 use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::Error;
+use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{PowerSeries, TERMS, quarters};
@@ -386,18 +387,40 @@ impl<'s> Engine<'s> {
         let reached = self.situation.reached(&self.model, &self.series);
         for (c, contact) in self.model.contacts.iter().enumerate() {
             let (state, of) = (&self.situation.contacts[c], &self.series.contacts[c]);
-            for t in quarters(2.0 * step) {
-                let speed = of.speeds.at(t);
-                let Some(slip) = state.slip(speed.max(0.0)) else {
-                    continue;
+            if contact.is_elastic() || state.mode() == Mode::Open {
+                continue;
+            }
+            // The start first: where its numbers are not finite, neither are the series.
+            let start = (state.speed(), state.memory.clone());
+            let along = quarters(2.0 * step).map(|t| {
+                let memory = of.memories.iter().map(|z| z.at(t));
+                (of.speeds.at(t), memory.collect())
+            });
+            for (speed, memory) in std::iter::once(start).chain(along) {
+                let memory: &Vec<f64> = &memory;
+                let slip = state.slip(speed.max(0.0));
+                let at = &|j: usize| memory[j];
+                let (motion, value) = match slip {
+                    Some(slip) => {
+                        let value = contact.law.coefficient(slip, at) * slip.direction;
+                        (Motion::Slip(slip), value)
+                    }
+                    None => (Motion::Stick, contact.law.limit(at).unwrap_or(0.0)),
                 };
-                let memory = &|j: usize| of.memories[j].at(t);
-                let value = contact.law.coefficient(slip, memory) * slip.direction;
-                if speed.is_finite() && !value.is_finite() {
+                let mut numbers = vec![value];
+                contact
+                    .law
+                    .rates(motion, at, &mut |_, rate| numbers.push(rate));
+                let given = memory.iter().chain([&speed]);
+                if given.into_iter().all(|x| x.is_finite())
+                    && let Some(&value) = numbers.iter().find(|x| !x.is_finite())
+                {
+                    let speed = slip.map_or(0.0, |_| speed);
+                    let reached = Some(reached);
                     return Error::NonFiniteFriction {
                         speed,
                         value,
-                        reached: Some(reached),
+                        reached,
                     };
                 }
             }

@@ -286,6 +286,14 @@ impl ContactState {
         }
     }
 
+    /// The sliding speed at the start of the step; 0 unless the contact slips.
+    pub(super) fn speed(&self) -> f64 {
+        match self.phase {
+            Phase::Slip { speed, .. } => speed,
+            Phase::Open | Phase::Stick { .. } => 0.0,
+        }
+    }
+
     /// μ_s at the start of the step, 0 for a law that never sticks.
     pub(super) fn static_coefficient(&self) -> f64 {
         self.limit.unwrap_or(0.0)
