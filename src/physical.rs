@@ -276,8 +276,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         let mut stop = |step: &Step| {
             let converted = step.in_units(units);
             let time = stop(&converted)?;
-            // NaN stays NaN. The end of a step remains its end, and keeps the event there.
-            let is_end = time >= converted.end_time();
+            // The end of a step remains its end, and keeps the event there.
+            let is_end = time.is_finite() && time >= converted.end_time();
             let time = self.scaling.dimensionless_time(time);
             Some(if is_end { step.end_time() } else { time })
         };

@@ -176,8 +176,8 @@ impl Integrator {
     /// [`Trajectory::ended`] returns the reason for the end.
     ///
     /// `stop` is called with each step, in order. It returns the time at which the motion shall
-    /// end, between the start and the end time of this step, or `None` to continue. (A time outside
-    /// the step is replaced by the nearer end of the step.) A motion that is stopped at the end of
+    /// end, between the start and the end time of this step, or `None` to continue. (A finite
+    /// time outside the step is replaced by the nearer end of the step.) A motion that is stopped at the end of
     /// a step keeps the events at this end. To stop at a condition on the
     /// state, return the result of [`Segment::first_zero`]. To stop after a number of events or
     /// steps, count them in `stop`:
@@ -215,7 +215,7 @@ impl Integrator {
     /// # Errors
     ///
     /// [`Error::InvalidDuration`], [`Error::InvalidState`] and [`Error::WrongSize`] as in
-    /// [`simulate`](Self::simulate); [`Error::InvalidParameter`] if `stop` returns NaN; and the
+    /// [`simulate`](Self::simulate); [`Error::InvalidParameter`] if `stop` returns NaN or an infinite time; and the
     /// error of a motion that fails in its first step. Any later error of the motion is stored in
     /// the result.
     #[doc(alias = "event")]
@@ -335,11 +335,9 @@ pub(crate) fn trajectory<S: SystemState>(
             && let Some(step) = steps.last()
             && let Some(time) = stop(step)
         {
-            if time.is_nan() {
-                let allowed = "a time in the step, or `None`; the stop condition returned NaN, \
-                               perhaps as a zero of a function that is NaN in the step";
-                Error::check("simulate_until", "stop time", time, false, allowed)?;
-            }
+            let allowed = "a time in the step, or `None`; NaN may come from a function whose zero \
+                           was searched";
+            Error::check("Integrator", "stop time", time, true, allowed)?;
             reached = time.max(step.start_time()).min(step.end_time());
             if reached < step.end_time()
                 && let Some(step) = steps.pop()

@@ -93,12 +93,12 @@ pub trait Segment: sealed::Sealed + Clone {
     /// the last bit. `None` if f has no zero in this step, or if the step has infinite duration.
     ///
     /// f must be continuous. If f is NaN where it is evaluated, at or before its first zero, the
-    /// result is NaN, and [`Integrator::simulate_until`] returns an error. A zero at the start of the step does not count: it belongs to the step
-    /// before. A zero without a change of sign may be missed. f is evaluated at 33 times. Between
-    /// these times, extremes of f near zero are searched. Two zeros between neighbouring times are
-    /// therefore usually found; they may be missed near another such pair or near an end of the
-    /// step. (A slip phase has several steps, each usually at most one radian of the vibration
-    /// long.)
+    /// result is NaN, and [`Integrator::simulate_until`] returns an error. A zero at the start of
+    /// the step does not count: it belongs to the step before. A zero without a change of sign may
+    /// be missed. f is evaluated at 33 times. Between these times, extremes of f near zero are
+    /// searched. Two zeros between neighbouring times are therefore usually found; they may be
+    /// missed near another such pair or near an end of the step. (A slip phase has several steps,
+    /// each usually at most one radian of the vibration long.)
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};

@@ -378,8 +378,8 @@ pub(super) fn checked_direction(
 
 /// Returns the normal load N0(t) if it is a valid one.
 fn checked_load(load: Drive) -> Result<Drive, Error> {
-    const ALLOWED: &str = "load > 0; for surfaces with a gap, measure displacements from a position \
-                           in which the surfaces touch, where the load is positive: see \
+    const ALLOWED: &str = "load > 0; for surfaces with a gap, measure displacements from a \
+                           position in which they touch and the load is positive: see \
                            `Contact::with_normal_spring`";
     load.check("load", ALLOWED)?;
     if load.is_constant() {

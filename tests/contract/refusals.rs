@@ -237,6 +237,10 @@ fn systems() -> Vec<Case> {
             |x| Scaling::new(Physical { belt_velocity: 1e-300, ..PAD })?.with_length(x);
         "Integrator" "tolerance" NO_TOLERANCE, |x| Integrator::new().with_tolerance(x);
         "Integrator" "start_time" &ANY, |x| Integrator::new().with_start_time(x);
+        "Integrator" "stop time" &ANY, |x| {
+            let rest = State::new(0.0, 0.0);
+            Integrator::new().simulate_until(&belt(), rest, 1.0, |_| Some(x))
+        };
         "Drive" "value" &ANY, |x| Drive::constant(1.0).with_constant(x);
         "Drive" "amplitude" &ANY, |x| Drive::sine(x, 1.0);
         // A slope that overflows.

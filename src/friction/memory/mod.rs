@@ -195,8 +195,8 @@ pub trait ContactLaw: Sized {
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
     /// Static coefficient μ_s(z), dimensionless: the contact sticks while the size of its force is
-    /// at most N·μ_s, in both directions. `None` for a contact that never sticks. The argument `zero` is the number 0 of type
-    /// `S`: `zero.constant(0.4)` is the constant 0.4 of this type.
+    /// at most N·μ_s, in both directions. `None` for a contact that never sticks. The argument
+    /// `zero` is the number 0 of type `S`: `zero.constant(0.4)` is the constant 0.4 of this type.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
     /// Rates of change dz/dt of the memory variables, per unit of time.
