@@ -65,6 +65,22 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
+    /// The given velocities are not those of a rigid-body motion: they change the force of a
+    /// spring, or a load.
+    Deforms {
+        /// The first coordinate whose velocity changes such a force.
+        coordinate: usize,
+    },
+    /// A contact does not slip at the given velocities, but balance requires a force above its
+    /// limit.
+    OverLimit {
+        /// Number of the contact.
+        contact: usize,
+        /// The size of the force that balance requires.
+        force: f64,
+        /// The limit of the force in stick, with memory variables of 0.
+        limit: f64,
+    },
     /// The stiffness matrix, including the terms that friction adds to it, is singular.
     Singular,
     /// The eigenvalues could not be computed.
@@ -96,6 +112,23 @@ impl std::fmt::Display for NotSliding {
                 f,
                 "the memory variables of contact {contact} have no constant values in steady \
                  sliding"
+            ),
+            Self::Deforms { coordinate } => write!(
+                f,
+                "the velocities are not those of a rigid-body motion: that of coordinate \
+                 {coordinate} changes the force of a spring or a load; give the same velocity to \
+                 coordinates that springs connect, and 0 to those held by the ground"
+            ),
+            Self::OverLimit {
+                contact,
+                force,
+                limit,
+            } => write!(
+                f,
+                "contact {contact} does not slip at these velocities, but balance requires the \
+                 force {}, and its limit is {}; give it a slip speed, or reduce the forces",
+                Plain(*force),
+                Plain(*limit)
             ),
             Self::Singular => f.write_str(
                 "the stiffness matrix is singular; restrain the rigid-body modes, for example by \

@@ -3,12 +3,12 @@
 use std::cell::{Cell, OnceCell};
 
 use super::search::{LOOK_EVERY, MOST_STEPS_OF_A_SEARCH, Watched};
-use super::translation::Freedom;
 use crate::drive;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode};
 use crate::state::structure::State;
 use crate::structure::engine::model::Model;
+use crate::structure::freedom::Freedom;
 
 /// A system without the type of its laws, on which all searches work, so that they are compiled
 /// once.

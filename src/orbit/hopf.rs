@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::branch::BranchPoint;
+use super::classify::AttractorKind;
 use super::curve::Curve;
 use super::form::GeneralForm;
 use super::map::{state, vector};
@@ -58,51 +59,128 @@ pub(super) struct Crossing {
     pub(super) frequency: f64,
 }
 
-/// Steady sliding along a range of a parameter.
+/// The equilibrium of a system with all masses at rest: contacts on surfaces that move slide, and
+/// the others stick.
+pub(super) struct Standing {
+    /// By falling real part.
+    eigenvalues: Vec<Complex<f64>>,
+    /// The contacts that stick.
+    sticking: Vec<usize>,
+    /// True if no contact slides.
+    rests: bool,
+    /// True if the eigenvalues are those of one equilibrium of a continuum only.
+    is_one_of_many: bool,
+}
+
+impl Standing {
+    /// `None` if there is no such equilibrium.
+    pub(super) fn of(form: &GeneralForm<'_>) -> Option<Self> {
+        let [mut slides, mut sticks] = [false, false];
+        for contact in &form.model().contacts {
+            let moves = contact.belt_velocity.value(0.0) != 0.0;
+            slides |= moves;
+            sticks |= !moves;
+        }
+        if !sticks {
+            return Some(Self {
+                eigenvalues: spectrum(form).ok()?,
+                sticking: Vec::new(),
+                rests: !slides,
+                is_one_of_many: false,
+            });
+        }
+        let field = SlidingField::at(form.model(), &vec![0.0; form.len()]).ok()?;
+        if !field.is_steady() {
+            return None;
+        }
+        Some(Self {
+            eigenvalues: field.eigenvalues()?.0,
+            sticking: field.sticking(),
+            rests: !slides,
+            is_one_of_many: field.is_one_of_many(),
+        })
+    }
+
+    fn kind(&self) -> AttractorKind {
+        if self.rests {
+            AttractorKind::Rest
+        } else {
+            AttractorKind::SteadySliding
+        }
+    }
+
+    /// Returns true if no equilibrium of this kind attracts.
+    pub(super) fn repels(&self) -> bool {
+        unstable(&self.eigenvalues) > 0 && !self.is_one_of_many
+    }
+}
+
+/// Steady sliding, or rest, along a range of a parameter.
 #[derive(Debug, Default)]
 pub(super) struct SteadyAlong {
     pub(super) crossings: Vec<Crossing>,
-    /// Ranges in which it is stable.
-    pub(super) stable: Vec<Range<f64>>,
+    /// Ranges in which it is stable, and its kind.
+    pub(super) stable: Vec<(Range<f64>, AttractorKind)>,
 }
 
+/// The facts by which equilibria along a parameter differ: which contacts stick, the kind, and the
+/// number of eigenvalues in the right half plane.
+type Facts = Option<(Vec<usize>, AttractorKind, usize)>;
+
 /// The stability of steady sliding along a range, from its values at places and refined between
-/// them. Where there is no steady sliding, it is not stable.
+/// them. Where there is no steady sliding, it is not stable. Contacts on surfaces at rest stick.
 pub(super) fn steady_along<S: Oscillator>(family: &Systems<'_, S>, places: &[f64]) -> SteadyAlong {
     let mut along = SteadyAlong::default();
-    let at = |parameter: f64| spectrum_at(family, parameter).ok();
-    let mut add = |from: f64, to: f64, count: Option<usize>| {
-        if count == Some(0) && from < to {
-            match along.stable.last_mut() {
-                Some(last) if last.end == from => last.end = to,
-                _ => along.stable.push(from..to),
-            }
+    let at = |parameter: f64| Standing::of(&family(parameter).ok()?.form());
+    let facts = |parameter: f64| -> Facts {
+        let found = at(parameter)?;
+        let (kind, unstable) = (found.kind(), unstable(&found.eigenvalues));
+        Some((found.sticking, kind, unstable))
+    };
+    let spectrum = |parameter: f64| Some(at(parameter)?.eigenvalues);
+    let mut add = |from: f64, to: f64, facts: &Facts| {
+        let Some((_, kind, 0)) = facts else {
+            return;
+        };
+        match along.stable.last_mut() {
+            Some((last, of)) if last.end == from && of == kind => last.end = to,
+            _ if from < to => along.stable.push((from..to, *kind)),
+            _ => {}
         }
     };
-    let known = places
-        .iter()
-        .map(|&place| (place, at(place).as_deref().map(unstable)));
-    let known: Vec<(f64, Option<usize>)> = known.collect();
+    let known = places.iter().map(|&place| (place, facts(place)));
+    let known: Vec<(f64, Facts)> = known.collect();
     for pair in known.windows(2) {
-        let [mut low, high] = [pair[0], pair[1]];
+        let [mut low, high] = [pair[0].clone(), pair[1].clone()];
         // One eigenvalue, or pair of them, after the other.
         while low.1 != high.1 {
-            let found = match (low.1, high.1) {
-                (Some(a), Some(b)) => sign_change(&at, (low.0, high.0), (a, b)),
+            let of = |facts: &Facts| facts.as_ref().map(|facts| (facts.0.clone(), facts.1));
+            let found = match (&low.1, &high.1) {
+                (Some((sticking, kind, from)), Some((_, _, to))) if of(&low.1) == of(&high.1) => {
+                    let found = sign_change(&spectrum, (low.0, high.0), (*from, *to));
+                    found.map(|(place, count, crossing)| {
+                        (
+                            place,
+                            Some((sticking.clone(), *kind, count)),
+                            Some(crossing),
+                        )
+                    })
+                }
                 _ => {
-                    // Steady sliding begins or ends to exist.
-                    let holds = |place: f64| at(place).is_some() == low.1.is_some();
-                    Some((border(low.0, high.0, holds)[1], high.1, None))
+                    // Steady sliding begins or ends to exist, or other contacts stick.
+                    let is_same = |place: f64| of(&facts(place)) == of(&low.1);
+                    let place = border(low.0, high.0, is_same)[1];
+                    Some((place, high.1.clone(), None))
                 }
             };
-            let Some((parameter, count, crossing)) = found else {
+            let Some((parameter, behind, crossing)) = found else {
                 break;
             };
-            add(low.0, parameter, low.1);
+            add(low.0, parameter, &low.1);
             along.crossings.extend(crossing);
-            low = (parameter, count);
+            low = (parameter, behind);
         }
-        add(low.0, high.0, low.1);
+        add(low.0, high.0, &low.1);
     }
     along
 }
@@ -115,7 +193,7 @@ fn sign_change(
     at: &Spectrum<'_>,
     (low, high): (f64, f64),
     (from, to): (usize, usize),
-) -> Option<(f64, Option<usize>, Option<Crossing>)> {
+) -> Option<(f64, usize, Crossing)> {
     // The real part of the eigenvalue of this rank changes its sign.
     let rank = if from < to { from } else { from - 1 };
     let real = |parameter: f64| Some(at(parameter)?.get(rank)?.re);
@@ -140,7 +218,7 @@ fn sign_change(
         parameter,
         frequency,
     };
-    Some((parameter, Some(behind), Some(crossing)))
+    Some((parameter, behind, crossing))
 }
 
 /// A small periodic motion near a Hopf point of steady sliding. [`follow`](super::follow())

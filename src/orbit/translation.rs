@@ -6,8 +6,6 @@ use super::form::GeneralForm;
 use crate::series::PowerSeries;
 use crate::state::structure::State;
 use crate::structure::Step;
-use crate::structure::engine::model::Model;
-use crate::structure::engine::sparse::Sparse;
 
 /// A translation q + φe that no force depends on, and its place a·x with a·e = 1.
 #[derive(Debug, Clone)]
@@ -20,109 +18,8 @@ pub(super) struct Translation {
     pub(super) is_held: bool,
 }
 
-/// Entries of a direction, and remainders of a singular matrix, below this part are rounding.
+/// Entries of a direction below this part are rounding.
 const ROUNDING: f64 = 1e-12;
-
-/// The directions in which a system can be moved without any change of a force: displacements on
-/// which nothing depends, and velocities on which nothing depends either.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Freedom {
-    pub(super) displacements: Vec<DVector<f64>>,
-    pub(super) velocities: Vec<DVector<f64>>,
-}
-
-impl Freedom {
-    /// K e = 0 and n_c·e = 0 of each load gradient; for velocities C e = 0 and b_c·e = 0 too.
-    pub(super) fn of(model: &Model<'_>) -> Self {
-        let n = model.len();
-        let gradients = model.contacts.iter().map(|contact| {
-            let mut row = DVector::zeros(n);
-            for &(j, x) in &contact.load_gradient {
-                row[j] += x;
-            }
-            row
-        });
-        let rows = rows_of(&model.stiffness).chain(gradients);
-        let rows: Vec<_> = rows.collect();
-        let displacements = null_space(model, &rows);
-        if displacements.is_empty() {
-            return Self::default();
-        }
-        let along = model.contacts.iter().map(|contact| {
-            let mut row = DVector::zeros(n);
-            for &(j, b) in contact.direction.iter() {
-                row[j] += b;
-            }
-            row
-        });
-        let rows = rows.into_iter().chain(rows_of(&model.damping)).chain(along);
-        let velocities = null_space(model, &rows.collect::<Vec<_>>());
-        Self {
-            displacements,
-            velocities,
-        }
-    }
-}
-
-fn rows_of(matrix: &Sparse) -> impl Iterator<Item = DVector<f64>> {
-    matrix.rows().enumerate().map(|(i, (own, beside))| {
-        let mut row = DVector::zeros(matrix.rows().count());
-        row[i] = own;
-        beside.iter().for_each(|&(j, x)| row[j] = x);
-        row
-    })
-}
-
-/// A basis of the vectors to which all rows are normal but for rounding, by a QR decomposition with
-/// column pivots. Columns are in units of one energy and rows of size 1, so that units of the
-/// system do not matter.
-fn null_space(model: &Model<'_>, rows: &[DVector<f64>]) -> Vec<DVector<f64>> {
-    let n = model.len();
-    let units: Vec<f64> = model.inverse_mass.rows().map(|(x, _)| x.sqrt()).collect();
-    let rows = rows.iter().filter_map(|row| {
-        let row = DVector::from_fn(n, |j, _| row[j] * units[j]);
-        let size = row.amax();
-        (size > 0.0).then(|| (row / size).transpose())
-    });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        let unit = |i: usize| DVector::from_fn(n, |j, _| f64::from(u8::from(i == j)));
-        return (0..n).map(unit).collect();
-    }
-    let count = rows.len().max(n);
-    let matrix = DMatrix::from_rows(&rows).resize_vertically(count, 0.0);
-    let qr = matrix.clone().col_piv_qr();
-    let upper = qr.r();
-    let least = ROUNDING * upper[(0, 0)].abs();
-    let rank = (0..n).take_while(|&i| upper[(i, i)].abs() > least).count();
-    let mut basis = DMatrix::zeros(n, n - rank);
-    let solved = upper
-        .view((0, 0), (rank, rank))
-        .solve_upper_triangular(&upper.view((0, rank), (rank, n - rank)));
-    let Some(solved) = solved else {
-        return Vec::new();
-    };
-    basis.view_mut((0, 0), (rank, n - rank)).copy_from(&-solved);
-    basis
-        .view_mut((rank, 0), (n - rank, n - rank))
-        .fill_with_identity();
-    qr.p().inv_permute_rows(&mut basis);
-    for mut column in basis.column_iter_mut() {
-        let least = ROUNDING * column.amax();
-        let rounding = column.iter_mut().filter(|x| x.abs() <= least);
-        rounding.for_each(|x| *x = 0.0);
-    }
-    let found = basis.column_iter().filter_map(|column| {
-        let is_null = matrix.row_iter().all(|row| {
-            let terms = row.iter().zip(&column).map(|(a, e)| a * e);
-            let [sum, size] = terms.fold([0.0, 0.0], |[sum, size], x| [sum + x, size + x.abs()]);
-            f64::abs(sum) <= ROUNDING * size
-        });
-        let direction = DVector::from_fn(n, |j, _| column[j] * units[j]);
-        is_null.then(|| &direction / direction.amax())
-    });
-    found.collect()
-}
 
 /// The translations of a motion, with the places of contacts that never slip where they have one,
 /// otherwise of coordinates.
@@ -299,9 +196,12 @@ impl Turning {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::super::oscillator::Oscillator;
     use super::*;
     use crate::friction::Coulomb;
+    use crate::structure::freedom::Freedom;
     use crate::structure::{Contact, Structure};
 
     fn freedom(structure: &Structure) -> Freedom {

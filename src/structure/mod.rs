@@ -6,6 +6,8 @@
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
 // | `energy.rs` | energies, work and heat |
 // | `steady.rs`, `sliding_field.rs` | steady sliding and its eigenvalues; the equations near it |
+// | `steady_at.rs` | steady sliding at given velocities |
+// | `freedom.rs` | directions in which a structure can be moved without any change of a force |
 // | `stability_changes.rs` | stability of steady sliding while drives vary slowly |
 // | `read.rs` | how structures are written and read (feature `serde`) |
 
@@ -123,6 +125,7 @@ mod elastic;
 mod energy;
 pub(crate) mod engine;
 mod flow;
+pub(crate) mod freedom;
 mod matrices;
 #[cfg(feature = "serde")]
 mod read;
@@ -130,6 +133,7 @@ mod sample;
 pub(crate) mod sliding_field;
 mod stability_changes;
 mod steady;
+mod steady_at;
 mod step;
 mod system;
 

@@ -1,12 +1,15 @@
 //! The vector field of a system near its steady sliding: its equilibrium, its linear part, and its
 //! terms of second and third order.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
+use super::engine::contact::ContactData;
 use super::engine::model::Model;
-use super::steady::{sliding_of, solve};
+use super::freedom::{direction_row, elastic_rows, null_space, rows_of, units};
+use super::steady::{sliding_of, solve, sort, undamped};
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::{Motion, Sliding, Slip};
+use crate::numerics::eigenvalues::{balance, eigenvalues as eigenvalues_of};
 use crate::series::{PowerSeries, TERMS};
 use crate::state::structure::State;
 
@@ -16,35 +19,59 @@ pub(crate) struct SlidingField<'m, 's> {
     model: &'m Model<'s>,
     /// Steady sliding.
     pub(crate) displacements: Vec<f64>,
-    contacts: Vec<Slides>,
+    /// Those of rigid-body motions that are not steady.
+    pub(super) accelerations: Vec<f64>,
+    /// `None` for a contact that sticks.
+    contacts: Vec<Option<Slides>>,
 }
 
 /// A contact that slides steadily.
 #[derive(Debug)]
 struct Slides {
     sliding: Sliding,
+    speed: f64,
     direction: f64,
     /// The load N.
     load: f64,
 }
 
+/// Accelerations, and singular values, below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-12;
+
 impl<'m, 's> SlidingField<'m, 's> {
     /// The field near steady sliding, under the conditions of
     /// [`Structure::steady_sliding`](super::system::Structure::steady_sliding).
     pub(crate) fn of(model: &'m Model<'s>) -> Result<Self, Error> {
-        Self::find(model).map_err(Error::NoSteadySliding)
+        Self::find(model, None).map_err(Error::NoSteadySliding)
     }
 
-    fn find(model: &'m Model<'s>) -> Result<Self, NotSliding> {
+    /// The field near steady sliding at given velocities, under the conditions of
+    /// [`Structure::steady_sliding_at`](super::system::Structure::steady_sliding_at).
+    pub(crate) fn at(model: &'m Model<'s>, velocities: &[f64]) -> Result<Self, Error> {
+        Self::find(model, Some(velocities)).map_err(Error::NoSteadySliding)
+    }
+
+    /// At rest all contacts slide; at given velocities those without a relative velocity stick.
+    fn find(model: &'m Model<'s>, velocities: Option<&[f64]>) -> Result<Self, NotSliding> {
         if !model.drives().all(|drive| drive.is_constant()) {
             return Err(NotSliding::Driven);
         }
+        let n = model.len();
+        let at_rest = vec![0.0; n];
+        let moving = velocities.unwrap_or(&at_rest);
         let contacts = model.contacts.iter().enumerate();
         let contacts = contacts.map(|(number, contact)| {
-            sliding_of(&contact.belt_velocity, contact.law).map_err(|reason| reason(number))
+            let surface = contact.belt_velocity.value(0.0);
+            let relative = contact.sliding_velocity(|j| moving[j], surface);
+            let may_stick = contact.is_elastic() || contact.law.limit(&|_| 0.0).is_some();
+            if relative == 0.0 && velocities.is_some() && may_stick {
+                return Ok(None);
+            }
+            let (sliding, direction) =
+                sliding_of(relative, contact.law).map_err(|reason| reason(number))?;
+            Ok(Some((sliding, relative.abs(), direction)))
         });
-        let contacts: Vec<(Sliding, f64)> = contacts.collect::<Result<_, _>>()?;
-        let n = model.len();
+        let contacts: Vec<Option<(Sliding, f64, f64)>> = contacts.collect::<Result<_, _>>()?;
         let mut stiffness = DMatrix::zeros(n, n);
         add_rows(&mut stiffness, 1.0, |i| model.stiffness.row(i));
         let force = |i: usize| model.forces[i].value(0.0);
@@ -53,9 +80,13 @@ impl<'m, 's> SlidingField<'m, 's> {
             let own = diagonal * force(i);
             beside.iter().fold(own, |sum, &(j, a)| sum + a * force(j))
         });
-        for (contact, (sliding, _)) in std::iter::zip(&model.contacts, &contacts) {
-            let coefficient = contact.compliance * sliding.coefficient;
+        for (contact, slides) in std::iter::zip(&model.contacts, &contacts) {
+            let coefficient = slides.as_ref().map(|(sliding, ..)| sliding.coefficient);
+            let coefficient = coefficient.map(|coefficient| contact.compliance * coefficient);
             for &(i, x) in contact.responses() {
+                let Some(coefficient) = coefficient else {
+                    break;
+                };
                 right[i] -= x * coefficient * contact.load.value(0.0);
                 for &(j, gradient) in &contact.load_gradient {
                     stiffness[(i, j)] += x * coefficient * gradient;
@@ -69,28 +100,82 @@ impl<'m, 's> SlidingField<'m, 's> {
                 }
             }
         }
-        let displacements = solve(&stiffness, &right).ok_or(NotSliding::Singular)?;
+        let sticking = (0..contacts.len()).filter(|&c| contacts[c].is_none());
+        let sticking: Vec<usize> = sticking.collect();
+        let balance = match velocities {
+            None => Balance {
+                displacements: solve(&stiffness, &right).ok_or(NotSliding::Singular)?,
+                accelerations: DVector::zeros(n),
+                forces: Vec::new(),
+            },
+            Some(moving) => {
+                for i in 0..n {
+                    let (diagonal, beside) = model.damping.row(i);
+                    let own = diagonal * moving[i];
+                    right[i] -= beside.iter().fold(own, |sum, &(j, c)| sum + c * moving[j]);
+                }
+                Balance::of(model, (stiffness, right), moving, &sticking)?
+            }
+        };
         let slides = contacts.into_iter().enumerate();
-        let slides = slides.map(|(number, (sliding, direction))| {
+        let slides = slides.map(|(number, slides)| {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| displacements[j]);
+            let load = contact.load_at(0.0, |j| balance.displacements[j]);
             if load > 0.0 {
-                Ok(Slides {
+                Ok(slides.map(|(sliding, speed, direction)| Slides {
                     sliding,
+                    speed,
                     direction,
                     load,
-                })
+                }))
             } else {
                 let contact = number;
                 Err(NotSliding::NoLoad { contact, load })
             }
         });
         let contacts = slides.collect::<Result<_, _>>()?;
+        for (&number, force) in std::iter::zip(&sticking, &balance.forces) {
+            let contact = &model.contacts[number];
+            let load = contact.load_at(0.0, |j| balance.displacements[j]);
+            let (limit, force) = (
+                contact.law.limit(&|_| 0.0).unwrap_or(0.0) * load,
+                force.abs(),
+            );
+            if force > limit * (1.0 + ROUNDING) {
+                return Err(NotSliding::OverLimit {
+                    contact: number,
+                    force,
+                    limit,
+                });
+            }
+        }
         Ok(Self {
             model,
-            displacements: displacements.as_slice().to_vec(),
+            displacements: balance.displacements.as_slice().to_vec(),
+            accelerations: balance.accelerations.as_slice().to_vec(),
             contacts,
         })
+    }
+
+    /// The numbers of the contacts that stick.
+    pub(crate) fn sticking(&self) -> Vec<usize> {
+        let numbers = 0..self.contacts.len();
+        numbers.filter(|&c| self.contacts[c].is_none()).collect()
+    }
+
+    /// Returns true if the velocities are steady.
+    pub(crate) fn is_steady(&self) -> bool {
+        self.accelerations.iter().all(|a| *a == 0.0)
+    }
+
+    /// Returns true if the eigenvalues depend on the forces of contacts that stick: a load that
+    /// depends on displacements changes the friction of a contact that slides.
+    pub(crate) fn is_one_of_many(&self) -> bool {
+        let contacts = std::iter::zip(&self.model.contacts, &self.contacts);
+        let varies = contacts
+            .into_iter()
+            .any(|(contact, slides)| slides.is_some() && !contact.load_gradient.is_empty());
+        varies && self.contacts.iter().any(Option::is_none)
     }
 
     /// Steady sliding as a state. Each elastic contact carries its limit force.
@@ -99,10 +184,12 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (number, (contact, slides)) in
             std::iter::zip(&self.model.contacts, &self.contacts).enumerate()
         {
-            let sliding = &slides.sliding;
+            let Some(Slides { sliding, load, .. }) = slides else {
+                continue;
+            };
             let place = &mut memory[self.model.memory(number)];
             if contact.is_elastic() {
-                place.fill(slides.direction * slides.load * sliding.coefficient);
+                place.fill(load * sliding.coefficient);
             } else {
                 place.copy_from_slice(&sliding.memory);
             }
@@ -131,7 +218,12 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
-            let (sliding, first) = (&slides.sliding, 2 * n + model.memory(number).start);
+            let first = 2 * n + model.memory(number).start;
+            let Some(slides) = slides else {
+                self.add_sticking(&mut matrix, number);
+                continue;
+            };
+            let sliding = &slides.sliding;
             for &(i, x) in contact.responses() {
                 let force = x * contact.compliance;
                 for &(j, b) in contact.direction.iter() {
@@ -145,11 +237,7 @@ impl<'m, 's> SlidingField<'m, 's> {
                     matrix[(n + i, first + j)] -= force * slides.load * slope;
                 }
             }
-            for &(i, y) in &contact.reaction {
-                for &(j, gradient) in &contact.load_gradient {
-                    matrix[(n + i, j)] -= y * gradient;
-                }
-            }
+            add_reaction(&mut matrix, n, contact);
             if contact.is_elastic() {
                 // The force follows the limit without delay.
                 matrix[(first, first)] = -1.0;
@@ -170,6 +258,121 @@ impl<'m, 's> SlidingField<'m, 's> {
         matrix
     }
 
+    /// Adds a contact that sticks. A rigid one adds nothing here: see
+    /// [`eigenvalues`](Self::eigenvalues).
+    fn add_sticking(&self, matrix: &mut DMatrix<f64>, number: usize) {
+        let (contact, n) = (&self.model.contacts[number], self.model.len());
+        add_reaction(matrix, n, contact);
+        for &(i, x) in contact.responses() {
+            for &(j, b) in contact.direction.iter() {
+                let stiffness = contact.tangential_stiffness.unwrap_or(0.0);
+                matrix[(n + i, j)] -= x * contact.compliance * stiffness * b;
+            }
+        }
+    }
+
+    /// The eigenvalues, without the zeros of rigid-body motions, by falling real part, and the
+    /// number of memory variables without influence; `None` if they do not converge.
+    ///
+    /// Displacements and velocities are in units of one energy. Rigid contacts that stick leave the
+    /// perturbations b·δv = 0 only, and take the part P = 1 − X(BᵀX)⁻¹Bᵀ, X = M⁻¹B, of
+    /// accelerations. Displacements along which no force changes, and velocities along which none
+    /// changes, are left out: the matrix of the others has the remaining eigenvalues.
+    pub(crate) fn eigenvalues(&self) -> Option<(Vec<Complex<f64>>, usize)> {
+        let (model, n) = (self.model, self.model.len());
+        let units = units(model);
+        let scaled = |row: &DVector<f64>| DVector::from_fn(n, |j, _| row[j] * units[j]);
+        let sticking = self.sticking();
+        let rigid = sticking
+            .iter()
+            .filter(|&&c| !model.contacts[c].is_elastic());
+        let rigid: Vec<DVector<f64>> = rigid.map(|&c| direction_row(model, c)).collect();
+        // Rigid-body motions.
+        let mut rows = elastic_rows(model);
+        rows.extend(sticking.iter().map(|&c| direction_row(model, c)));
+        let displaced = null_space(model, &rows);
+        let mut active = Vec::new();
+        let mut idle = 0;
+        rows.extend(rows_of(&model.damping));
+        for (c, slides) in self.contacts.iter().enumerate() {
+            let Some(Slides { sliding, .. }) = slides else {
+                continue;
+            };
+            let first = 2 * n + model.memory(c).start;
+            let (acts, none) = (0..sliding.memory.len()).partition(|&j| !sliding.is_idle(j));
+            let (acts, none): (Vec<usize>, Vec<usize>) = (acts, none);
+            idle += none.len() + usize::from(model.contacts[c].is_elastic());
+            if sliding.slope != 0.0 || !acts.is_empty() {
+                rows.push(direction_row(model, c));
+            }
+            active.extend(acts.into_iter().map(|j| first + j));
+        }
+        let moved = null_space(model, &rows);
+        // What is left, in units of one energy.
+        let left = |motions: &[DVector<f64>]| {
+            let unit = |e: &DVector<f64>| DVector::from_fn(n, |j, _| e[j] / units[j]);
+            let motions = motions.iter().map(unit);
+            complement(n, motions.chain(rigid.iter().map(scaled)))
+        };
+        let (displacements, velocities) = (left(&displaced), left(&moved));
+        let mut matrix = self.jacobian();
+        for (i, unit) in units.iter().enumerate() {
+            for k in [i, n + i] {
+                matrix.row_mut(k).unscale_mut(*unit);
+                matrix.column_mut(k).scale_mut(*unit);
+            }
+        }
+        let kept = velocities.transpose() * self.released(&rigid, &units)?;
+        let elastic = &kept * matrix.view((n, 0), (n, n)) * &displacements;
+        let damping = &kept * matrix.view((n, n), (n, n)) * &velocities;
+        let same = displacements.ncols() == velocities.ncols();
+        let mut values = if active.is_empty() && same && damping.iter().all(|c| *c == 0.0) {
+            undamped(-elastic)?
+        } else {
+            let [m, k] = [&displacements, &velocities].map(DMatrix::ncols);
+            let order = m + k + active.len();
+            let mut reduced = DMatrix::zeros(order, order);
+            let link = displacements.transpose() * &velocities;
+            reduced.view_mut((0, m), (m, k)).copy_from(&link);
+            reduced.view_mut((m, 0), (k, m)).copy_from(&elastic);
+            reduced.view_mut((m, m), (k, k)).copy_from(&damping);
+            for (j, &z) in active.iter().enumerate() {
+                let acts = &kept * matrix.view((n, z), (n, 1));
+                let driven = matrix.view((z, n), (1, n)) * &velocities;
+                reduced.view_mut((m, m + k + j), (k, 1)).copy_from(&acts);
+                reduced.view_mut((m + k + j, m), (1, k)).copy_from(&driven);
+                for (l, &other) in active.iter().enumerate() {
+                    reduced[(m + k + j, m + k + l)] = matrix[(z, other)];
+                }
+            }
+            if !reduced.iter().all(|x| x.is_finite()) {
+                return None;
+            }
+            let _ = balance(&mut reduced);
+            eigenvalues_of(reduced)?
+        };
+        sort(&mut values);
+        Some((values, idle))
+    }
+
+    /// P in units of one energy.
+    fn released(&self, rigid: &[DVector<f64>], units: &[f64]) -> Option<DMatrix<f64>> {
+        let n = units.len();
+        let identity = DMatrix::identity(n, n);
+        if rigid.is_empty() {
+            return Some(identity);
+        }
+        let along = DMatrix::from_fn(n, rigid.len(), |j, c| rigid[c][j] * units[j]);
+        let responses = along
+            .column_iter()
+            .map(|b| inverse_mass_times(self.model, units, &b.into_owned()));
+        let responses = DMatrix::from_columns(&responses.collect::<Vec<_>>());
+        let compliance = along.transpose() * &responses;
+        let least = ROUNDING * compliance.amax();
+        let inverse = compliance.pseudo_inverse(least).ok()?;
+        Some(identity - responses * inverse * along.transpose())
+    }
+
     /// The terms of second and third order along a line: the coefficients of t² and t³ in F(x̄ + t
     /// u). Friction alone has such terms.
     pub(crate) fn terms(&self, line: &DVector<f64>) -> [DVector<f64>; 2] {
@@ -178,9 +381,12 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
+            let Some(slides) = slides else {
+                continue;
+            };
             let first = 2 * n + model.memory(number).start;
             let slip = contact.along(|j| line[n + j]);
-            let speed = contact.belt_velocity.value(0.0).abs();
+            let speed = slides.speed;
             let speeds = linear(speed, slides.direction * slip);
             let memory = slides.sliding.memory.iter().enumerate();
             let memory: Vec<_> = memory.map(|(j, &z)| linear(z, line[first + j])).collect();
@@ -237,5 +443,160 @@ fn linear(a: f64, b: f64) -> PowerSeries {
         0 => a,
         1 => b,
         _ => 0.0,
+    })
+}
+
+/// The force of a normal spring.
+fn add_reaction(matrix: &mut DMatrix<f64>, n: usize, contact: &ContactData<'_>) {
+    for &(i, y) in &contact.reaction {
+        for &(j, gradient) in &contact.load_gradient {
+            matrix[(n + i, j)] -= y * gradient;
+        }
+    }
+}
+
+/// An orthonormal basis of the vectors normal to all of some vectors.
+fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<f64> {
+    let mut squares = DMatrix::zeros(n, n);
+    let mut is_whole = true;
+    for vector in vectors {
+        let unit = vector.normalize();
+        squares.ger(1.0, &unit, &unit, 1.0);
+        is_whole = false;
+    }
+    if is_whole {
+        return DMatrix::identity(n, n);
+    }
+    let eigen = squares.symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let is_normal = |i: &usize| eigen.eigenvalues[*i] <= ROUNDING * largest;
+    let normal: Vec<usize> = (0..n).filter(is_normal).collect();
+    eigen.eigenvectors.select_columns(&normal)
+}
+
+/// Steady sliding at given velocities.
+struct Balance {
+    displacements: DVector<f64>,
+    /// Those of rigid-body motions.
+    accelerations: DVector<f64>,
+    /// Forces of the contacts that stick.
+    forces: Vec<f64>,
+}
+
+impl Balance {
+    /// The displacements q, the accelerations a of the rigid-body motions E and the forces λ of
+    /// contacts that stick, with directions B:
+    ///
+    /// ```text
+    /// K q + M a + B λ = f,    a = E α,    Bᵀa = 0
+    /// ```
+    ///
+    /// q has no part along E. Where balance leaves forces undetermined, they have the least sum of
+    /// squares: contacts carry nothing that springs can carry. All rows are multiplied by M⁻¹.
+    fn of(
+        model: &Model<'_>,
+        (stiffness, right): (DMatrix<f64>, DVector<f64>),
+        velocities: &[f64],
+        sticking: &[usize],
+    ) -> Result<Self, NotSliding> {
+        let n = model.len();
+        let rows = elastic_rows(model);
+        for row in &rows {
+            let terms = row.iter().zip(velocities).map(|(k, v)| k * v);
+            let [sum, size] = terms.fold([0.0, 0.0], |[sum, size], x| [sum + x, size + x.abs()]);
+            if f64::abs(sum) > ROUNDING * size {
+                let moves = |j: &usize| row[*j] * velocities[*j] != 0.0;
+                let coordinate = (0..n).find(moves).unwrap_or(0);
+                return Err(NotSliding::Deforms { coordinate });
+            }
+        }
+        let motions = null_space(model, &rows);
+        if motions.is_empty() {
+            return Ok(Self {
+                displacements: solve(&stiffness, &right).ok_or(NotSliding::Singular)?,
+                accelerations: DVector::zeros(n),
+                forces: vec![0.0; sticking.len()],
+            });
+        }
+        // In units of one energy, and each unknown in a unit that makes the entries of one size.
+        let units = units(model);
+        let unit = |x: &DVector<f64>| DVector::from_fn(n, |j, _| x[j] / units[j]).normalize();
+        let motions: Vec<DVector<f64>> = motions.iter().map(unit).collect();
+        let motions = DMatrix::from_columns(&motions);
+        let along = sticking.iter().map(|&c| {
+            let row = direction_row(model, c);
+            DVector::from_fn(n, |j, _| row[j] * units[j])
+        });
+        let along: Vec<DVector<f64>> = along.collect();
+        // The combinations of forces that rigid-body motions feel.
+        let combined = if along.is_empty() {
+            DMatrix::zeros(0, 0)
+        } else {
+            let felt = DMatrix::from_columns(&along).transpose() * &motions;
+            let svd = felt.svd(true, false);
+            let least = ROUNDING * svd.singular_values.amax();
+            let counts = |i: &usize| svd.singular_values[*i] > least;
+            let kept: Vec<usize> = (0..svd.singular_values.len()).filter(counts).collect();
+            svd.u.ok_or(NotSliding::Singular)?.select_columns(&kept)
+        };
+        let (d, r) = (motions.ncols(), combined.ncols());
+        let mut matrix = DMatrix::zeros(n + d + r, n + d + r);
+        let scaled = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[j] / units[i]);
+        let size = Some(scaled.amax())
+            .filter(|size| *size > 0.0)
+            .unwrap_or(1.0);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&scaled);
+        matrix
+            .view_mut((0, n), (n, d))
+            .copy_from(&(&motions * size));
+        matrix
+            .view_mut((n, 0), (d, n))
+            .copy_from(&(motions.transpose() * size));
+        let mut force_units = Vec::new();
+        for j in 0..r {
+            let force = (0..along.len()).fold(DVector::zeros(n), |sum, c| {
+                sum + &along[c] * combined[(c, j)]
+            });
+            let (unit, felt) = (force.norm(), motions.transpose() * &force);
+            let response = inverse_mass_times(model, &units, &force);
+            matrix
+                .view_mut((0, n + d + j), (n, 1))
+                .copy_from(&(response * (size / unit)));
+            matrix
+                .view_mut((n + d + j, n), (1, d))
+                .copy_from(&(felt.transpose() * (size / unit)));
+            force_units.push(size / unit);
+        }
+        let forces = DVector::from_fn(n, |i, _| right[i] / units[i]);
+        let found = solve(&matrix, &forces.clone().resize_vertically(n + d + r, 0.0));
+        let found = found.ok_or(NotSliding::Singular)?;
+        let accelerations = &motions * found.rows(n, d) * size;
+        let rounding = ROUNDING * forces.amax().max(scaled.amax() * found.rows(0, n).amax());
+        let accelerations = DVector::from_fn(n, |j, _| match accelerations[j] {
+            a if a.abs() <= rounding => 0.0,
+            a => a * units[j],
+        });
+        let carried = |c: usize| (0..r).map(move |j| (c, j));
+        Ok(Self {
+            displacements: DVector::from_fn(n, |j, _| found[j] * units[j]),
+            accelerations,
+            forces: (0..along.len())
+                .map(|c| {
+                    let parts = carried(c);
+                    let parts =
+                        parts.map(|(c, j)| combined[(c, j)] * found[n + d + j] * force_units[j]);
+                    parts.sum()
+                })
+                .collect(),
+        })
+    }
+}
+
+/// M⁻¹ b in units of one energy, of a direction in these units.
+fn inverse_mass_times(model: &Model<'_>, units: &[f64], force: &DVector<f64>) -> DVector<f64> {
+    DVector::from_fn(units.len(), |i, _| {
+        let (own, beside) = model.inverse_mass.row(i);
+        let sum = beside.iter().map(|&(j, a)| a * force[j] / units[j]);
+        (own * force[i] / units[i] + sum.sum::<f64>()) / units[i]
     })
 }

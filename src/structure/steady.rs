@@ -4,7 +4,6 @@ use num_complex::Complex;
 use super::contact::Contact;
 use super::engine::contact::Entries;
 use super::system::Structure;
-use crate::drive::Drive;
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Sliding, Slip};
@@ -76,6 +75,9 @@ pub struct SteadySliding {
     /// in slip and has no effect on slip, such as the clock of a [`Dwell`](crate::Dwell). By
     /// definition their eigenvalue is −∞, so that they do not count for stability.
     pub eigenvalues: Vec<Complex<f64>>,
+    /// Acceleration of each coordinate, in the units of the structure: 0, except for rigid-body
+    /// motions of [`Structure::steady_sliding_at`] whose velocities are not steady.
+    pub accelerations: Vec<f64>,
 }
 
 impl Structure {
@@ -94,8 +96,9 @@ impl Structure {
     /// the surface of a contact does not move (w = 0), or if a load is not positive in the
     /// equilibrium. The same error is returned if memory variables have no constant values, or if
     /// the stiffness matrix with the terms of friction is singular. To make it non-singular,
-    /// restrain the rigid-body modes. For a drill string that is driven at a given speed, use the
-    /// frame that rotates at this speed: in this frame the driven end is fixed to the ground.
+    /// restrain the rigid-body modes, or use [`steady_sliding_at`](Self::steady_sliding_at), which
+    /// leaves them out. For a drill string that is driven at a given speed, use the frame that
+    /// rotates at this speed: in this frame the driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }
@@ -187,6 +190,7 @@ impl SteadySliding {
         Ok(Self {
             displacements,
             eigenvalues,
+            accelerations: vec![0.0; n],
         })
     }
 }
@@ -206,7 +210,8 @@ impl<'s> Steady<'s> {
         if is_still && contact.tangential_stiffness().is_some() {
             return Err(|contact| NotSliding::Continuum { contact });
         }
-        let (sliding, direction) = sliding_of(contact.belt_velocity(), contact.law())?;
+        let relative = -contact.belt_velocity().value(0.0);
+        let (sliding, direction) = sliding_of(relative, contact.law())?;
         Ok(Self {
             contact,
             sliding,
@@ -215,17 +220,16 @@ impl<'s> Steady<'s> {
     }
 }
 
-/// Steady sliding on a surface of constant velocity, while all masses are at rest, and the
-/// direction of slip; otherwise the reason why the contact does not slide, by its number.
+/// Steady sliding at a relative velocity, and the direction of slip; otherwise the reason why the
+/// contact does not slide, by its number.
 pub(super) fn sliding_of(
-    surface: &Drive,
+    relative: f64,
     law: &dyn LawObject,
 ) -> Result<(Sliding, f64), fn(usize) -> NotSliding> {
-    let velocity = surface.value(0.0);
-    let Some(direction) = Direction::of(-velocity) else {
+    let Some(direction) = Direction::of(relative) else {
         return Err(|contact| NotSliding::NoSpeed { contact });
     };
-    let (speed, direction) = (velocity.abs(), direction.sign());
+    let (speed, direction) = (relative.abs(), direction.sign());
     let slip = Slip {
         speed,
         direction,
@@ -376,13 +380,7 @@ fn eigenvalues(
     let n = stiffness.nrows();
     let remembered: usize = memories.iter().map(|memory| memory.matrix.nrows()).sum();
     let mut values: Vec<Complex<f64>> = if damping.amax() == 0.0 && remembered == 0 {
-        // s² = −λ of K alone: what is undamped has a real part of exactly 0.
-        let squares = eigenvalues_of(stiffness.clone())?;
-        squares
-            .iter()
-            .map(|&square| (-square).sqrt())
-            .flat_map(|root| [root, -root])
-            .collect()
+        undamped(stiffness.clone())?
     } else {
         // (ω q, q', z) for (q, q', z): blocks of one size.
         let unit = stiffness.amax().sqrt();
@@ -410,11 +408,24 @@ fn eigenvalues(
         }
         eigenvalues_of(matrix)?
     };
+    sort(&mut values);
+    Some(values)
+}
+
+/// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are exactly
+/// 0.
+pub(super) fn undamped(stiffness: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let squares = eigenvalues_of(stiffness)?;
+    let roots = squares.iter().map(|&square| (-square).sqrt());
+    Some(roots.flat_map(|root| [root, -root]).collect())
+}
+
+/// By falling real part, then by falling imaginary part.
+pub(super) fn sort(values: &mut [Complex<f64>]) {
     // No −0, which would sort after 0.
-    for value in &mut values {
+    for value in values.iter_mut() {
         *value += Complex::new(0.0, 0.0);
     }
-    sort_by(&mut values, |value| -value.im);
-    sort_by(&mut values, |value| -value.re);
-    Some(values)
+    sort_by(values, |value| -value.im);
+    sort_by(values, |value| -value.re);
 }

@@ -29,5 +29,6 @@ mod ranges;
 mod references;
 mod seam;
 mod sensitivities;
+mod standing;
 mod switching;
 mod translations;

@@ -25,6 +25,7 @@ mod memory_formulas;
 mod not_numbers;
 mod random;
 mod steady;
+mod steady_at;
 mod stiff_memory;
 mod trajectories;
 mod two_engines;

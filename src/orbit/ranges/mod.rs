@@ -10,11 +10,11 @@ pub use self::found::{Border, VibrationRange, VibrationRanges};
 use self::motions::{extent, is_on, is_one, is_same};
 use super::branch::{Branch, BranchEnd};
 use super::classify::{Attractor, AttractorKind, kind_of};
-use super::hopf::{Crossing, SteadyAlong, steady_along};
+use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};
 use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
 use super::search::Search;
-use super::sweep::Sweep;
+use super::sweep::{Sweep, SweepPoint};
 use crate::error::Error;
 use crate::motion::System;
 use crate::numerics::bracket::border;
@@ -185,8 +185,18 @@ impl Search<'_> {
         let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S>>| {
             search.different(family, parameter, stretches)
         };
+        // A motion on a branch is known, and so is an equilibrium that repels: near a change of its
+        // stability a sweep takes it for an attractor.
+        let is_known = |point: &SweepPoint<S>| match &point.attractor {
+            Ok(Attractor::PureSlip(orbit) | Attractor::StickSlip(orbit)) => branches
+                .iter()
+                .any(|branch| is_on(branch, point.parameter, orbit)),
+            Ok(Attractor::Rest | Attractor::SteadySliding) => family(point.parameter)
+                .is_ok_and(|system| Standing::of(&system.form()).is_some_and(|it| it.repels())),
+            Ok(Attractor::Irregular) | Err(_) => false,
+        };
         Ok(VibrationRanges {
-            ranges: ranges(&stretches, &sweep, &systems, start..end, differ),
+            ranges: ranges(&stretches, &sweep, &systems, start..end, differ, is_known),
             branches,
             sweep,
             stopped: stopped.get(),
@@ -438,8 +448,8 @@ fn steady_stretches<'b, S: System>(steady: &SteadyAlong, range: Range<f64>) -> V
         }
     };
     let stable = steady.stable.iter();
-    let stretches = stable.map(|stable| Stretch {
-        kind: AttractorKind::SteadySliding,
+    let stretches = stable.map(|(stable, kind)| Stretch {
+        kind: *kind,
         parameters: stable.clone(),
         borders: [border(stable.start), border(stable.end)],
         motions: Vec::new(),
@@ -454,6 +464,7 @@ fn ranges<'b, S: System>(
     systems: &[Range<f64>],
     range: Range<f64>,
     different: impl Fn(f64, Vec<&Stretch<'b, S>>) -> Vec<AttractorKind>,
+    is_known: impl Fn(&SweepPoint<S>) -> bool,
 ) -> Vec<VibrationRange> {
     let width = range.end - range.start;
     let borders = stretches.iter().flat_map(|stretch| {
@@ -494,12 +505,15 @@ fn ranges<'b, S: System>(
             start < middle && middle < end
         });
         let mut attractors = different(middle, there.collect());
-        // Attractors of the sweep that no branch explains.
+        // Attractors of the sweep that nothing above explains. A point on a border says little about
+        // the range beside it.
         for point in sweep.up.iter().chain(&sweep.down) {
+            let is_inside = start < point.parameter && point.parameter < end;
+            let is_on_border = point.parameter == start || point.parameter == end;
             let is_new = |kind: &AttractorKind| !attractors.contains(kind);
-            if (start..=end).contains(&point.parameter)
-                && (attractors.is_empty() || point.kind() == Some(AttractorKind::Irregular))
-                && let Some(kind) = point.kind().filter(is_new)
+            if let Some(kind) = point.kind().filter(is_new)
+                && (is_inside && !is_known(point)
+                    || is_on_border && (attractors.is_empty() || kind == AttractorKind::Irregular))
             {
                 attractors.push(kind);
             }
