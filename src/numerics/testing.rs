@@ -9,6 +9,11 @@ pub(crate) fn count(few: usize, all: usize) -> usize {
     }
 }
 
+/// The first few of some cases, or all of them.
+pub(crate) fn some<T, const N: usize>(few: usize, cases: [T; N]) -> impl Iterator<Item = T> {
+    cases.into_iter().take(count(few, N))
+}
+
 /// Numbers in −1 ≤ y < 1 without any order.
 pub(crate) fn rough(x: f64) -> f64 {
     let mixed = x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);

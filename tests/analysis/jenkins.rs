@@ -14,7 +14,7 @@ use stick_slip::{Error, Iwan4};
 
 use crate::common::orbit::integrate;
 use crate::common::property::for_all;
-use crate::common::{Random, count, json, list, number, text};
+use crate::common::{Random, count, json, list, number, some, text};
 
 /// ∫ between a and b, in pieces that end at the given places.
 fn between(a: f64, b: f64, kinks: &[f64], f: impl Fn(f64) -> f64) -> f64 {
@@ -315,7 +315,8 @@ fn by_exponentials(
 fn exact_responses_close_and_have_their_multipliers() {
     let mut random = Random::new(2);
     let mut slipping = 0;
-    for _ in 0..2000 {
+    let cases = count(400, 2000);
+    for _ in 0..cases {
         let m = random.logarithmic(0.3, 3.0);
         let c = random.pick(&[0.0, 1.0, 1.0]) * random.logarithmic(1e-3, 3.0);
         let k = random.pick(&[0.0, 1.0, 1.0, 1.0]) * random.logarithmic(0.1, 10.0);
@@ -352,7 +353,7 @@ fn exact_responses_close_and_have_their_multipliers() {
         );
         assert!((a * b - p * q).norm() < 1e-11, "{given:?}");
     }
-    assert!(slipping > 800, "{slipping}");
+    assert!(5 * slipping > 2 * cases, "{slipping}");
 }
 
 /// Steady motion of one mass by small steps, each exact but for the force of the element, which is
@@ -436,7 +437,7 @@ fn there_is_a_response_exactly_where_the_motion_turns_twice() {
 #[test]
 fn more_force_moves_the_mass_farther() {
     let at = |force: f64, omega: f64| SymmetricResponse::at(1.0, 0.02, 0.6, 0.4, 0.3, force, omega);
-    let omegas = count(6, 60);
+    let omegas = count(4, 60);
     for i in 0..omegas {
         let omega = 0.3 + 1.8 * i as f64 / omegas as f64;
         let threshold = (1.0 - omega * omega).hypot(0.02 * omega) * 0.75;
@@ -543,7 +544,7 @@ fn whatever_is_given_ends_in_finite_numbers_or_none() {
     };
     let bad = [f64::NAN, f64::INFINITY, -f64::INFINITY, -1.0, -5e-324];
     let strange = [5e-324, 1e30, 1e-5, f64::MAX, 1e5, 1e-30, 1e-200];
-    let strange = || strange.into_iter().take(count(4, strange.len()));
+    let strange = || some(4, strange);
     for i in 0..7 {
         for x in bad {
             let mut given = plain;

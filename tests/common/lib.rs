@@ -1,6 +1,7 @@
 //! What several test files share: reference data, laws of the tests' own, and random numbers that
 //! are the same in every run.
-#![allow(missing_docs)] // what says itself is not said again
+// Written for the tests here, not for users.
+#![allow(missing_docs, clippy::len_without_is_empty)]
 
 pub mod any;
 pub mod bristles;
@@ -200,6 +201,11 @@ pub fn count(few: usize, all: usize) -> usize {
         Ok(times) => all * times.parse::<usize>().expect("FULL: a whole number"),
         Err(_) => few,
     }
+}
+
+/// The first few of some cases, or all of them; see [`count`].
+pub fn some<T, const N: usize>(few: usize, cases: [T; N]) -> impl Iterator<Item = T> {
+    cases.into_iter().take(count(few, N))
 }
 
 /// The repository: tests run in the folder of their package.

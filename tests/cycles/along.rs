@@ -734,7 +734,7 @@ fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
 /// Each evaluation searched the breakpoints one by one: 10⁹ and more.
 #[test]
 fn thousands_of_points_are_not_searched_one_by_one() {
-    let points = count(2000, 10_000);
+    let points = count(1000, 10_000);
     let (cycles, [calls, breakpoints]) = cost(measured(points, 0.0), 0.2, 0.02, 1.0, |system| {
         limit_cycle::find(system).unwrap()
     });

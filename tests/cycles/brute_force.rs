@@ -283,7 +283,7 @@ fn contacts_change_where_brute_force_says() {
 fn pairs_of_cycles_appear_where_folds_are_found() {
     let mut generator = Random::new(1602);
     let (mut seen, mut wrong) = (0, Vec::new());
-    let cases = count(12, 24);
+    let cases = count(8, 24);
     for i in 0..cases {
         let mut plain = random(&mut generator, [1, 1, 3, 2][i % 4]);
         plain.step = 0.02;

@@ -1,7 +1,7 @@
 //! Cycles and bifurcations in cases with a known answer, and in hard ones.
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Random, count, on_belt, paper};
+use crate::common::{Random, count, on_belt, paper, some};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging;
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
@@ -315,7 +315,7 @@ impl FrictionLaw for Bumps {
 #[test]
 fn motions_between_crossing_cycles_end_on_their_neighbours() {
     let cases = [(1.0, 0.0), (1.0 / 1024.0, 1e-5)];
-    for (unit, damping) in cases.into_iter().take(count(1, 2)) {
+    for (unit, damping) in some(1, cases) {
         let system = on_belt(Bumps { unit }, unit, damping, 0.02 * unit);
         let cycles = limit_cycle::find(&system).unwrap();
         let crossing: Vec<_> = cycles
@@ -437,7 +437,7 @@ fn cycles_without_static_friction_are_those_that_averaging_finds() {
     };
     let mut counts = [0; 3];
     let belts = [0.3, 0.8, 1.5, 0.1, 0.5, 0.6, 1.0, 3.0];
-    for v_b in belts.into_iter().take(count(3, 8)) {
+    for v_b in some(3, belts) {
         for damping in [0.0, 0.002, 0.02, 0.1, 0.3] {
             let system = on_belt(law, v_b, damping, 1.0);
             let averaged = averaging::cycles(&system).unwrap();

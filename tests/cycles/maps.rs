@@ -109,7 +109,7 @@ fn cycles_are_nested_and_their_stability_alternates() {
 #[test]
 fn no_cycle_is_lost_or_invented() {
     let mut changes = [0; 2];
-    let of_each = count(10, 60);
+    let of_each = count(6, 60);
     for (about, system) in systems(6, of_each) {
         let system = system
             .clone()

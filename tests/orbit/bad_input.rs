@@ -242,13 +242,15 @@ fn what_stops_a_motion_stops_a_search() {
 
 /// Asserts that a search came to its bound, and says so; the time that it reached.
 fn at_bound(error: Option<Error>, bound: usize) -> f64 {
-    let Some(Error::TooManySteps { limit, reached }) = &error else {
-        panic!("{error:?}")
-    };
-    assert_eq!(*limit, bound);
-    assert!(reached.time.is_finite());
-    assert_eq!(reached.state.displacements.len(), 1);
-    reached.time
+    match error {
+        Some(Error::TooManySteps { limit, reached }) => {
+            assert_eq!(limit, bound);
+            assert!(reached.time.is_finite());
+            assert_eq!(reached.state.displacements.len(), 1);
+            reached.time
+        }
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Whatever times are asked for, a call ends within seconds and says how far it came.

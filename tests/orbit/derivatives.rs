@@ -225,7 +225,7 @@ fn derivatives_are_those_of_motions_beside() {
     let (mut motions, mut columns, mut worst) = (0, 0, 0.0_f64);
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut tried = 0;
-    let enough = count(40, 200);
+    let enough = count(30, 200);
     while motions < enough {
         tried += 1;
         assert!(tried < 10 * enough, "{motions}");

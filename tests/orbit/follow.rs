@@ -17,7 +17,7 @@ use stick_slip::{
     limit_cycle,
 };
 
-use crate::common::{count, number};
+use crate::common::{count, number, some};
 use crate::reading::{cases, structure};
 
 /// Error promised for every parameter.
@@ -742,7 +742,7 @@ fn a_branch_goes_on_where_a_stop_vanishes_beside_a_fold() {
             .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
     };
     let amplitudes = [0.124, 0.126, 0.1245, 0.125];
-    for amplitude in amplitudes.into_iter().take(count(2, 4)) {
+    for amplitude in some(2, amplitudes) {
         let family = |frequency: f64| family(amplitude, frequency);
         let start = State::at_rest(1);
         let orbit = settle(&family(0.9).unwrap(), &start, 400.0, Period::Driven(1)).unwrap();

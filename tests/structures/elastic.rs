@@ -326,7 +326,7 @@ fn contact_coefficient(contact: &Contact) -> f64 {
 fn a_scheme_without_events_comes_to_the_same_states() {
     let mut random = Random::new(91);
     let (mut worst, mut events) = (0.0_f64, 0);
-    let cases = count(6, 40);
+    let cases = count(4, 40);
     for i in 0..cases {
         let drawn = draw(&mut random, false);
         let duration = 8.0;

@@ -6,6 +6,8 @@ use stick_slip::{
     Polynomial, Scalar, Segment, Slip, Structure, Variables,
 };
 
+use crate::common::some;
+
 /// The same law with a second memory that nothing depends on: its motion is followed by explicit
 /// steps.
 pub(crate) struct Padded<L>(pub(crate) L);
@@ -74,7 +76,7 @@ fn slow_steps_and_explicit_ones_give_one_motion() {
     let exponential = AnyLaw::from(Exponential::new(0.4, 0.25, 0.5).unwrap());
     let cubic = AnyLaw::from(Polynomial::new(0.4, 0.25, 0.5).unwrap());
     let (mut worst, mut cell) = (0.0_f64, 0);
-    for stiffness in [30.0, 100.0, 300.0, 1e3, 3e3, 1e4] {
+    for stiffness in some(3, [30.0, 1e3, 1e4, 100.0, 300.0, 3e3]) {
         for belt in [-0.15, 0.2, 0.6] {
             let shaken = Drive::sine(0.1, 1.7)
                 .and_then(|d| d.with_constant(belt))

@@ -100,7 +100,7 @@ fn at_force_balance<L: FrictionLaw>(system: &MassOnBelt<L>, speed: f64) -> SlipP
 #[test]
 fn explicit_and_slow_steps_meet_without_a_gap() {
     let mut seen = Seen::default();
-    let loads = count(15, 60);
+    let loads = count(10, 60);
     for i in 0..loads {
         for beyond in [1.5, 3.0, 10.0, 100.0] {
             let v_m = 1e-2;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::friction::{Coulomb, Exponential, Polynomial};
+use crate::numerics::testing::some;
 
 #[track_caller]
 fn assert_silenced<L: FrictionLaw>(system: &MassOnBelt<L>, expected: f64) {
@@ -16,7 +17,7 @@ fn assert_silenced<L: FrictionLaw>(system: &MassOnBelt<L>, expected: f64) {
 fn on_slow_belts_vibration_ends_where_steady_sliding_becomes_stable() {
     // −½γ²μ̂'(v_b) = 0.6 v_b exp(−4 v_b²): at this β a stable cycle is born, and no other is left.
     let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
-    for v_b in [1e-1_f64, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9] {
+    for v_b in some(3, [1e-1_f64, 1e-4, 1e-9, 1e-2, 1e-3, 1e-5, 1e-6, 1e-7]) {
         let system = MassOnBelt::new(law, v_b).unwrap();
         assert_silenced(&system, 0.6 * v_b * (-4.0 * v_b * v_b).exp());
         assert_silenced(

@@ -211,7 +211,7 @@ fn averaged_drift() {
 fn averaged_cycles() {
     let cases = (any_law(), 0.1..1.5, sign(), (0.0..1.0, 0.02..0.2), 1..4_i32);
     check_some(
-        count(8, 32),
+        count(5, 32),
         cases,
         |(law, w, sign, (part, load), last), bounds| {
             let bare = super::system(law, sign * w, 0.0, load * w);
