@@ -247,7 +247,17 @@ fn flow([m, c, kappa, omega]: [f64; 4], [a, b, d]: [f64; 3], time: f64) -> DMatr
         [0.0, 0.0, omega, 0.0, 0.0],
         [0.0; 5],
     ];
-    exponential(&(DMatrix::from_fn(5, 5, |i, j| rows[i][j]) * time))
+    // In units of the force, in which no entry is large.
+    let unit = |i: usize| {
+        if i < 2 {
+            a.abs() + b.abs() + d.abs() + 1.0
+        } else {
+            1.0
+        }
+    };
+    let matrix = DMatrix::from_fn(5, 5, |i, j| rows[i][j] * unit(j) / unit(i) * time);
+    let flow = exponential(&matrix);
+    DMatrix::from_fn(5, 5, |i, j| flow[(i, j)] * unit(i) / unit(j))
 }
 
 /// The matrix exponential: the power series of a part of the matrix, squared.
