@@ -215,9 +215,9 @@ impl Integrator {
     /// # Errors
     ///
     /// [`Error::InvalidDuration`], [`Error::InvalidState`] and [`Error::WrongSize`] as in
-    /// [`simulate`](Self::simulate); [`Error::InvalidParameter`] if `stop` returns NaN or an infinite time; and the
-    /// error of a motion that fails in its first step. Any later error of the motion is stored in
-    /// the result.
+    /// [`simulate`](Self::simulate); [`Error::InvalidParameter`] if `stop` returns NaN or an
+    /// infinite time; and the error of a motion that fails in its first step. Any later error of
+    /// the motion is stored in the result.
     #[doc(alias = "event")]
     #[doc(alias = "condition")]
     pub fn simulate_until<S: System>(

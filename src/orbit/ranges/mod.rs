@@ -505,8 +505,8 @@ fn ranges<'b, S: System>(
             start < middle && middle < end
         });
         let mut attractors = different(middle, there.collect());
-        // Attractors of the sweep that nothing above explains. A point on a border says little about
-        // the range beside it.
+        // Attractors of the sweep that nothing above explains. A point on a border says little
+        // about the range beside it.
         for point in sweep.up.iter().chain(&sweep.down) {
             let is_inside = start < point.parameter && point.parameter < end;
             let is_on_border = point.parameter == start || point.parameter == end;
