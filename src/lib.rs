@@ -54,7 +54,7 @@
 //! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; its force: [`Structure::carried`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`]; contacts along its mode shapes: [`Contact::along`] |
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
-//! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`] |
+//! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`]; of a slipping clutch or turning shafts: [`Structure::steady_sliding_at`] |
 //! | a periodic motion of any system, with its Floquet multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes with any parameter | [`orbit::follow`] |
 //! | the load or the speed at which a structure begins and ceases to vibrate, with hysteresis | [`orbit::vibration_ranges`] |

@@ -434,7 +434,8 @@ fn accepted<S: Oscillator>(
         return Ok(None);
     }
     let orbit = Orbit::new(system, form, found, period)?;
-    Ok((orbit.is_stable() || missed <= CLOSED).then_some(orbit))
+    let attracts = orbit.is_stable() && !orbit.is_one_of_many();
+    Ok((attracts || missed <= CLOSED).then_some(orbit))
 }
 
 /// The number of returns after which a motion repeats itself, and its distance from itself then.

@@ -13,6 +13,7 @@ use super::translation::{Translation, Turning, translations};
 use super::unslipped::{Unslipped, never_slips, slip_by_rounding, unslipped};
 use crate::error::Error;
 use crate::motion::{Event, Integrator, Mode, Segment};
+use crate::numerics::least_norm::directions;
 use crate::state::structure::State;
 use crate::structure::Step;
 
@@ -62,6 +63,10 @@ pub struct PeriodMap {
 /// Largest residual of a closed motion, in units of the sizes of its numbers and of the
 /// magnification by the motion. Rounding alone causes about 1e-15.
 pub(super) const CLOSED: f64 = 1e-11;
+
+/// Singular values of the equations of a closed motion below this part of the largest count as 0:
+/// the motion belongs to a continuous family.
+pub(super) const SINGULAR: f64 = 1e-11;
 
 /// The least size of a velocity, in units of the displacement per period: a coordinate that passes
 /// 0 goes as far as its largest displacement and back within a period, so it is at least this fast.
@@ -269,6 +274,70 @@ impl PeriodMap {
             }
         }
         (matrix, self.closing_by(&self.residual(), unknowns))
+    }
+
+    /// The Newton equations in units of the sizes. For an autonomous motion the relative increment
+    /// of the period follows, in the unit that is returned, with the condition that the start stays
+    /// on a plane with this normal.
+    pub(super) fn equations(
+        &self,
+        normal: Option<&DVector<f64>>,
+        period: f64,
+    ) -> (DMatrix<f64>, DVector<f64>, f64) {
+        let (order, sizes) = (self.order(), self.sizes());
+        let unknowns = order + usize::from(normal.is_some());
+        let (mut matrix, right) = self.closing(&sizes, unknowns);
+        let mut unit = 1.0;
+        if let Some(normal) = normal {
+            let largest = normal.component_mul(&sizes).amax();
+            for i in 0..order {
+                matrix[(i, order)] = self.flow[1][i] * period / sizes[i];
+                matrix[(order, i)] = normal[i] * sizes[i] / largest;
+            }
+            // What is kept does not depend on the period.
+            self.kept()
+                .into_iter()
+                .for_each(|row| matrix[(row, order)] = 0.0);
+            // Close to an equilibrium the flow is small, but the period is determined as well as
+            // elsewhere.
+            let largest = matrix.column(order).amax();
+            if largest > 0.0 {
+                unit = largest;
+                matrix.column_mut(order).scale_mut(unit.recip());
+            }
+        }
+        (matrix, right, unit)
+    }
+
+    /// The directions, in units of the sizes, in which the start of a closed motion has closed ones
+    /// beside it to first order, without those of translations.
+    pub(super) fn neutral(&self, is_free: bool, period: f64) -> Vec<DVector<f64>> {
+        let (order, sizes) = (self.order(), self.sizes());
+        let (mut matrix, ..) = self.equations(is_free.then_some(&self.flow[0]), period);
+        // Positions of contacts that never slip are kept by the search, not by the motion.
+        for Unslipped { row, .. } in &self.unslipped {
+            for j in 0..order {
+                let identity = if *row == j { 1.0 } else { 0.0 };
+                let entry = self.monodromy[(*row, j)] - identity;
+                matrix[(*row, j)] = entry * (sizes[j] / sizes[*row]);
+            }
+        }
+        let Some(found) = directions(matrix, SINGULAR, order) else {
+            return Vec::new();
+        };
+        let columns = found.column_iter();
+        let columns = columns.map(|column| column.rows(0, order).into_owned());
+        let scaled = columns.map(|direction| {
+            let largest = direction[direction.icamax()];
+            direction / largest
+        });
+        scaled.collect()
+    }
+
+    /// The number of families that are known without their directions: those of contacts that never
+    /// slip, and of velocities that nothing depends on.
+    pub(super) fn known_families(&self) -> usize {
+        self.unslipped.len() + self.boosts.len()
     }
 
     /// The right-hand side of these equations for the residual of a motion near this one.

@@ -11,6 +11,7 @@
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
 // | `passage.rs` | motions over a duration without derivatives |
 // | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
+// | `family.rs` | the directions of a continuous family of motions |
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
@@ -135,7 +136,7 @@
 //! several directions, for example if only contacts and dampers connect several shafts. The
 //! position of the start along e is that of the guess. If C e = 0 for the damping matrix C, and b·e
 //! = 0 for the direction b of each contact, no force depends on the velocity along e either. The
-//! mean velocity is then that of the motion from the guess.
+//! mean velocity is then that of the motion from the guess, because the momentum is conserved.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -175,10 +176,11 @@
 //!   which no force depends has the multiplier 1, too. [`Orbit::multipliers`] does not contain
 //!   these multipliers either.
 //! * A memory variable that does not influence the motion has the multiplier 0.
-//! * If a contact never slips, the motion belongs to a continuous family. [`Orbit::unslipped`]
-//!   lists such contacts, and [`Orbit::multipliers`] does not contain the multipliers 1 of this
-//!   family. In any other continuous family an additional multiplier is 1, and `multipliers`
-//!   contains it. In each family the motion nearest the guess is found.
+//! * If a contact never slips, or if the motion conserves a quantity, the motion belongs to a
+//!   continuous family. [`Orbit::families`] lists its directions, [`Orbit::unslipped`] the contacts
+//!   that never slip. [`Orbit::multipliers`] does not contain the multipliers 1 of these contacts,
+//!   but those of other families. The member that a search finds conserves the momentum and the
+//!   like of its start: see [`shoot`].
 //!
 //! The period map has no derivative at grazing, or if several events happen at the same instant.
 //! For simultaneous events the matrix is computed as if they followed one another in the order of
@@ -193,6 +195,7 @@ mod changes;
 mod classify;
 mod corner;
 mod curve;
+mod family;
 mod follow;
 mod form;
 mod hold;

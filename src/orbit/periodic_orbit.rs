@@ -5,6 +5,7 @@ use std::fmt;
 
 use num_complex::Complex;
 
+use super::family::families;
 use super::form::GeneralForm;
 use super::map;
 use super::measures::Measures;
@@ -46,6 +47,9 @@ pub struct Orbit<S: System> {
     pub(super) measures: Measures,
     multipliers: Vec<Complex<f64>>,
     unslipped: Vec<usize>,
+    families: Vec<S::State>,
+    /// The multipliers 1 of families that are listed.
+    neutral: usize,
     is_symmetric: bool,
 }
 
@@ -78,6 +82,8 @@ impl<S: Oscillator> Orbit<S> {
             measures,
             multipliers: properties.multipliers,
             unslipped: properties.unslipped,
+            families: properties.families.iter().map(S::own).collect(),
+            neutral: properties.neutral,
             is_symmetric: symmetric.is_some(),
             trajectory: system.trajectory(map, period)?,
         })
@@ -89,6 +95,8 @@ struct Properties {
     events: Vec<Event<State>>,
     multipliers: Vec<Complex<f64>>,
     unslipped: Vec<usize>,
+    families: Vec<State>,
+    neutral: usize,
 }
 
 impl Properties {
@@ -102,6 +110,7 @@ impl Properties {
             period,
             start: map.start.clone(),
         })?;
+        let families = families(form, map, is_free, period);
         let events = begun.steps.iter().flat_map(Segment::events);
         let events = events.map(|event| Event {
             time: within(event.time, period),
@@ -113,6 +122,11 @@ impl Properties {
             events,
             multipliers,
             unslipped: begun.unslipped(),
+            neutral: families.len().saturating_sub(begun.known_families()),
+            families: families
+                .iter()
+                .map(|direction| map::state(direction, form.len()))
+                .collect(),
         })
     }
 }
@@ -148,7 +162,8 @@ impl<S: System> Orbit<S> {
     /// The Floquet multipliers, by descending modulus, dimensionless: two for each coordinate and
     /// one for each memory variable. Some multipliers 1 are left out: that of a shift along an
     /// autonomous motion, those of a [translation](super#motions-that-are-translated), and those of
-    /// contacts that never [slip](Self::unslipped).
+    /// contacts that never [slip](Self::unslipped). In any other [family](Self::families) the
+    /// multiplier 1 is listed.
     ///
     /// In each period a small perturbation along an eigenvector is multiplied by the multiplier of
     /// this eigenvector. Multipliers that are 0 because of stick are exactly 0: see [the page of
@@ -169,6 +184,43 @@ impl<S: System> Orbit<S> {
         &self.unslipped
     }
 
+    /// The directions of the continuous family to which the motion belongs: one perturbation of
+    /// [`state`](Self::state) for each, in its units. Empty if the motion is isolated.
+    ///
+    /// The motion from the state plus ε times a direction is also periodic, up to ε² and with a
+    /// period that may differ by the order of ε. The largest entry of a direction, in units of the
+    /// size of its variable in the motion, is 1. Several directions are a basis. A family has one
+    /// direction for each contact that never [slips](Self::unslipped), and for each quantity that
+    /// the motion conserves: a momentum along a direction in which no force acts, a memory variable
+    /// minus a displacement, an energy. Which member a search finds: see [`shoot`](super::shoot).
+    /// Shifts along an autonomous motion and
+    /// [translations](super#motions-that-are-translated) give the same motion again and do not
+    /// count. Motions that grow or decay by less than 1e-11 per period count as members of a
+    /// family.
+    ///
+    /// ```
+    /// use stick_slip::orbit::{self, Period};
+    /// use stick_slip::structure::State;
+    /// use stick_slip::{Contact, Coulomb, Drive, Structure};
+    ///
+    /// // Two bodies that rub on each other and that nothing holds: their momentum is conserved.
+    /// let pair = Structure::new(&[1.0, 3.0])?
+    ///     .with_spring(0, 1, 2.0)?
+    ///     .with_force(0, Drive::harmonic(1.0, 1.1, 0.0)?)?
+    ///     .with_contact(Contact::between(0, 1, Coulomb::new(0.3, 0.2)?, 1.0)?)?;
+    /// let start = State::new(&[0.0, 0.0], &[2.0, -0.4]);
+    /// let orbit = orbit::settle(&pair, &start, 100.0, Period::Driven(1))?;
+    /// let [direction] = orbit.families() else { panic!() };
+    /// assert_eq!(direction.velocities[0], direction.velocities[1]);
+    /// let velocities = orbit.state().velocities;
+    /// assert!((velocities[0] + 3.0 * velocities[1] - 0.8).abs() < 1e-12);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    #[doc(alias = "continuum")]
+    pub fn families(&self) -> &[S::State] {
+        &self.families
+    }
+
     /// Returns true if the motion is its own mirror image half a period later: each displacement
     /// satisfies x_i(t + T/2) = c_i − x_i(t) with a constant c_i. A memory variable satisfies the
     /// same equation, or repeats itself after half a period (as the time in stick does).
@@ -178,9 +230,21 @@ impl<S: System> Orbit<S> {
         self.is_symmetric
     }
 
-    /// Returns true if all multipliers lie inside the unit circle: small perturbations decay.
+    /// Returns true if all multipliers lie inside the unit circle, except for the multipliers 1 of a
+    /// [family](Self::families): small perturbations decay, up to a change of the member.
     pub fn is_stable(&self) -> bool {
-        self.multipliers.iter().all(|m| m.norm() < 1.0)
+        let mut neutral = self.neutral;
+        self.multipliers.iter().all(|m| {
+            // Rounding, magnified by the motion.
+            let is_neutral = neutral > 0 && (m - 1.0).norm() <= 1e-6;
+            neutral -= usize::from(is_neutral);
+            is_neutral || m.norm() < 1.0
+        })
+    }
+
+    /// Returns true if the motion is one of a family that conserves a quantity.
+    pub(super) fn is_one_of_many(&self) -> bool {
+        self.neutral > 0
     }
 }
 
@@ -195,6 +259,8 @@ impl<S: System> Clone for Orbit<S> {
             measures: self.measures.clone(),
             multipliers: self.multipliers.clone(),
             unslipped: self.unslipped.clone(),
+            families: self.families.clone(),
+            neutral: self.neutral,
             is_symmetric: self.is_symmetric,
         }
     }

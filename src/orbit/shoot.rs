@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::form::{GeneralForm, Rhythm};
-use super::map::{self, CLOSED, state, vector};
+use super::map::{self, CLOSED, SINGULAR, state, vector};
 use super::oscillator::Oscillator;
 use super::passage::reach;
 use super::period::Period;
@@ -12,7 +12,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Mode;
-use crate::numerics::least_norm::least_norm;
+use crate::numerics::least_norm::conserving;
 use crate::state::structure::State;
 use crate::structure::engine::check_sizes;
 
@@ -34,10 +34,6 @@ const LEAST_PART: f64 = 1.0 / 1024.0;
 
 /// A residual below this is none: a memory variable that decays may come nearer to 0 for ever.
 const ZERO: f64 = f64::EPSILON * f64::EPSILON;
-
-/// Singular values below this part of the largest count as 0: the motion belongs to a continuous
-/// family, and the nearest one is taken.
-pub(super) const SINGULAR: f64 = 1e-11;
 
 impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.
@@ -75,30 +71,14 @@ impl<'s> Problem<'s> {
     fn step(&self, trial: &TrialMotion) -> Option<(DVector<f64>, f64, f64)> {
         let map = &trial.map;
         let (order, sizes) = (map.order(), map.sizes());
-        let unknowns = order + usize::from(self.section.is_some());
-        let (mut matrix, mut right) = map.closing(&sizes, unknowns);
-        let mut unit = 1.0;
+        let normal = self.section.as_ref().map(|[_, normal]| normal);
+        let (matrix, mut right, unit) = map.equations(normal, trial.period);
         if let Some([point, normal]) = &self.section {
             let start = vector(&map.start, order);
             let largest = normal.component_mul(&sizes).amax();
-            for i in 0..order {
-                matrix[(i, order)] = map.flow[1][i] * trial.period / sizes[i];
-                matrix[(order, i)] = normal[i] * sizes[i] / largest;
-            }
-            // What is kept does not depend on the period.
-            map.kept()
-                .into_iter()
-                .for_each(|row| matrix[(row, order)] = 0.0);
             right[order] = -normal.dot(&(start - point)) / largest;
-            // Close to an equilibrium the flow is small, but the period is determined as well as
-            // elsewhere.
-            let largest = matrix.column(order).amax();
-            if largest > 0.0 {
-                unit = largest;
-                matrix.column_mut(order).scale_mut(unit.recip());
-            }
         }
-        let mut solution = least_norm(matrix, &right, SINGULAR)?;
+        let mut solution = conserving(matrix, &right, SINGULAR, order)?;
         if self.section.is_some() {
             solution[order] /= unit;
         }
@@ -204,8 +184,14 @@ impl<'s> Problem<'s> {
 /// The motion need not be stable. Let x be the state and T the period. The residual x(T) − x(0)
 /// falls to rounding, of the order of 1e-15 of the size of each component. Newton steps that would
 /// increase the residual are shortened. The sequence of events is not prescribed: it may differ
-/// from trial to trial. In a continuous family of motions the motion nearest the guess is found.
-/// Motions that grow or decay by less than 1e-11 per period count as members of such a family.
+/// from trial to trial.
+///
+/// Closed motions can form a continuous family ([`Orbit::families`]). If the motion conserves a
+/// quantity that is linear in the state and that distinguishes the members, the result conserves
+/// the value of the guess, to rounding. Such quantities are a momentum, the velocity of a mass that
+/// no friction brakes, or a memory variable minus a displacement. In any other family, such as that
+/// of the energies of an undamped motion, the result is a member near the guess. Motions that grow
+/// or decay by less than 1e-11 per period count as members of a family.
 ///
 /// An autonomous motion must leave its start and return. The residual must therefore also be small
 /// relative to the extent of the motion, however small this extent is. This excludes two false
@@ -351,7 +337,8 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMo
 ///
 /// The length of the transient is in units of time. For a forced motion it is rounded up to whole
 /// periods of the drives. A long transient costs little: if [`shoot`] fails, make the transient
-/// longer.
+/// longer. In a continuous family of motions the result conserves what the start conserves, as on
+/// the page of [`shoot`].
 ///
 /// # Errors
 ///

@@ -62,7 +62,7 @@
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
 //! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`]; sampled along a motion: [`Structure::samples`] |
 //! | energies; work and heat of every force, contact and damper along a motion | [`Structure::energy_budget`], [`Structure::kinetic_energy`], [`Structure::elastic_energy`] |
-//! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`] |
+//! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`]; at given velocities, with joints that stick, without rigid-body modes: [`Structure::steady_sliding_at`] |
 //! | where steady sliding becomes unstable along a speed profile, and why vibration begins later | [`Structure::stability_changes`] |
 //! | periodic motions, multipliers, bifurcations, chaos | [`orbit`](crate::orbit) |
 //!

@@ -16,6 +16,7 @@ mod derivatives;
 mod dwell;
 mod elastic;
 mod event_loci;
+mod families;
 mod fold_grazing;
 mod follow;
 mod formulas;

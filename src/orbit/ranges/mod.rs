@@ -55,8 +55,18 @@ const SMALL: f64 = 1e-3;
 /// range, like those of [`follow`](super::follow()). Hopf points in [`VibrationRange::parameters`]
 /// are exact to rounding, because they follow from the eigenvalues of steady sliding. Parameters at
 /// which the family returns an error belong to no range; the ranges next to them end with
-/// [`Border::NoSystem`]. Attractors on a branch that neither search reaches are missed. If the
-/// sweep finds chaos instead of a periodic motion, the range contains [`AttractorKind::Irregular`].
+/// [`Border::NoSystem`]. Attractors on a branch that neither search reaches are missed.
+///
+/// In steady sliding a contact slides if its surface moves; any other contact, such as a joint
+/// between masses, sticks, and its force may have any value within its limit. Steady sliding counts
+/// where its eigenvalues have no positive real part, as [`Structure::steady_sliding_at`] computes
+/// them for masses at rest. (If a load depends on displacements, they are those of the equilibrium
+/// in which joints carry only forces that springs cannot carry.) If no contact slides, the
+/// equilibrium is [`AttractorKind::Rest`].
+///
+/// An attractor that the sweep reaches, and that neither a branch nor these eigenvalues explain, is
+/// entered for the whole range around the value: for example chaos ([`AttractorKind::Irregular`]),
+/// steady sliding of a shaft that turns, or a motion whose branch cannot be followed.
 ///
 /// The work is a sweep over 17 values, upward and downward, and one [`follow`](super::follow()) for
 /// each branch: seconds for a few masses, tens of seconds for a dozen masses.
@@ -69,6 +79,8 @@ const SMALL: f64 = 1e-3;
 ///
 /// [`Error::InvalidParameter`] unless the range is finite and not empty; [`Error::At`], with the
 /// parameter, if the family returns an error at the start of the range.
+///
+/// [`Structure::steady_sliding_at`]: crate::Structure::steady_sliding_at
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, Border};

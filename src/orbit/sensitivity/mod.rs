@@ -6,11 +6,11 @@ mod variation;
 use nalgebra::{DMatrix, DVector};
 
 use self::variation::{Run, Variation};
+use super::map::SINGULAR;
 use super::map::{PeriodMap, longest_pause, period_map, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::shoot::SINGULAR;
 use crate::error::Error;
 use crate::motion::{Event, EventKind, Segment};
 use crate::numerics::least_norm::least_norm;
