@@ -93,7 +93,7 @@ fn stiff(i: usize) -> Option<(MassOnBelt<AnyLaw>, State, f64)> {
 
 #[test]
 fn stiff_motions_are_those_of_an_implicit_method() {
-    let systems = count(150, 3000);
+    let systems = count(150, 1000);
     let radau = Radau::new(1e-13);
     let (mut judged, mut steps, mut worst) = (0, [0; 2], [0.0; 3]);
     let mut wrong = Vec::new();
