@@ -12,7 +12,7 @@ use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
 use crate::motion::{Integrator, Trajectory};
 use crate::scaling::{Physical, Scaling};
 use crate::series::TERMS;
-use crate::state::State;
+use crate::state::{State, Units};
 #[cfg(feature = "structures")]
 use crate::structure::{Contact, Structure};
 
@@ -200,8 +200,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
 
     /// The release point, in m and m/s: [`MassOnBelt::release_state`].
     pub fn release_state(&self) -> Option<State> {
-        let state = self.system.release_state()?;
-        Some(self.scaling.units().state(state))
+        let state = self.scaling.units().state(self.system.release_state()?);
+        let velocity = self.physical().belt_velocity;
+        Some(State { velocity, ..state })
     }
 
     /// Steady sliding and its stability, in m and rad/s: [`MassOnBelt::equilibrium`].
@@ -530,13 +531,15 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// Equilibrium and periodic motions at a belt velocity in m/s.
     fn point(&self, velocity: f64) -> Result<DiagramPoint, Error> {
         let dimensionless = self.scaling.dimensionless_velocity(velocity);
+        let units = Units {
+            belt_velocity: Some(velocity),
+            ..self.scaling.units()
+        };
         match bifurcation::point(self.system.belt(), dimensionless) {
             Ok(point) => Ok(DiagramPoint {
                 belt_velocity: velocity,
-                equilibrium: point
-                    .equilibrium
-                    .map(|it| it.in_units(self.scaling.units())),
-                cycles: point.cycles.in_units(self.scaling.units()),
+                equilibrium: point.equilibrium.map(|it| it.in_units(units)),
+                cycles: point.cycles.in_units(units),
             }),
             Err(error) => {
                 let mut error = self.in_si(error);

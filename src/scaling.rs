@@ -207,6 +207,7 @@ impl Scaling {
             length: self.length,
             rate: self.angular_frequency,
             stiffness: self.physical.stiffness,
+            belt_velocity: Some(self.physical.belt_velocity),
         }
     }
 

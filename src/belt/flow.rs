@@ -89,7 +89,7 @@ impl Machine {
         Ok(Self {
             stepper: Stepper::new(system, settings.tolerance()),
             run: Run::new(settings),
-            state: if velocity - v_b == 0.0 {
+            state: if system.relative_velocity(velocity) == 0.0 {
                 State::new(displacement, v_b)
             } else {
                 start

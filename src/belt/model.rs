@@ -4,7 +4,7 @@ use super::equilibrium::Equilibrium;
 use crate::error::Error;
 use crate::friction::slip::Equation;
 use crate::friction::{Law, Values, finite_at};
-use crate::state::{Direction, State};
+use crate::state::{Direction, State, Surface, relative_velocity};
 
 /// The parameters of a system. They are checked against the law's values alone: a program that only
 /// makes a system compiles no motion.
@@ -173,6 +173,18 @@ impl<'s> Belt<'s> {
         }
     }
 
+    /// v_r at a velocity; 0 if it is within its rounding error.
+    #[inline]
+    pub(crate) fn relative_velocity(&self, velocity: f64) -> f64 {
+        let belt = self.parameters.belt_velocity;
+        let surface = Surface {
+            velocity: belt,
+            size: belt.abs(),
+            drift: 0.0,
+        };
+        relative_velocity(std::iter::once(velocity), surface)
+    }
+
     /// The direction in which a mass at displacement u and with the velocity of the belt begins to
     /// slide; `None` if it sticks.
     #[inline(never)]
@@ -238,7 +250,7 @@ impl<'s> Belt<'s> {
 
     /// [`MassOnBelt::friction_force`](super::MassOnBelt::friction_force).
     pub(crate) fn friction_force(&self, state: State) -> f64 {
-        let relative_velocity = state.velocity - self.parameters.belt_velocity;
+        let relative_velocity = self.relative_velocity(state.velocity);
         if relative_velocity == 0.0 {
             match self.slides_at(state.displacement) {
                 None => state.displacement + self.carried_force(),
@@ -255,7 +267,7 @@ impl<'s> Belt<'s> {
             displacement,
             velocity,
         } = state;
-        if velocity == self.parameters.belt_velocity && self.slides_at(displacement).is_none() {
+        if self.relative_velocity(velocity) == 0.0 && self.slides_at(displacement).is_none() {
             return 0.0;
         }
         self.friction_force(state) - 2.0 * self.parameters.damping * velocity - displacement

@@ -19,7 +19,7 @@ impl Start {
             displacement,
             velocity,
         } = state;
-        let relative_velocity = velocity - system.belt_velocity();
+        let relative_velocity = system.relative_velocity(velocity);
         if let Some(direction) = Direction::of(relative_velocity) {
             return Self::Slip(SlipPoint {
                 direction,

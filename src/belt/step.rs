@@ -229,17 +229,29 @@ impl Step {
             factor *= units.rate;
             coefficient
         });
+        let converted = units.velocity() * self.belt_velocity;
+        let belt_velocity = units.belt_velocity.unwrap_or(converted);
+        let state = |state: State| {
+            let is_held = state.velocity == self.belt_velocity;
+            let state = units.state(state);
+            let velocity = if is_held {
+                belt_velocity
+            } else {
+                state.velocity
+            };
+            State { velocity, ..state }
+        };
         let step = Self {
             start,
             duration,
-            state: units.state(self.state),
+            state: state(self.state),
             speed,
             event: None,
-            belt_velocity: units.velocity() * self.belt_velocity,
+            belt_velocity,
             ..*self
         };
         match self.event {
-            Some(event) => step.ended_by(event.kind, units.state(event.state)),
+            Some(event) => step.ended_by(event.kind, state(event.state)),
             None => step,
         }
     }

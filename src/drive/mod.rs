@@ -311,6 +311,17 @@ impl Drive {
             })
     }
 
+    /// The value at a time; at a jump the value just before it.
+    pub(crate) fn just_before(&self, time: f64) -> f64 {
+        let clock = Clock::at(time);
+        let harmonics = self.harmonics.iter().map(|harmonic| harmonic.at(clock)[0]);
+        let profiles = self.profiles.iter();
+        let profiles = profiles.map(|profile| profile.just_before(clock));
+        harmonics
+            .chain(profiles)
+            .fold(self.constant, |sum, value| sum + value)
+    }
+
     /// Power series in the time since `start`, of the piece that begins there or contains it.
     pub(crate) fn series(&self, start: Clock) -> PowerSeries {
         let mut series = PowerSeries::of(self.constant);

@@ -59,6 +59,12 @@ impl Profile {
         self.on_piece(self.passed(time), time)
     }
 
+    /// The value at a time; at a jump the value just before it.
+    pub(super) fn just_before(&self, time: Clock) -> f64 {
+        let before = |&(point, _): &(f64, f64)| time.until(point) < 0.0;
+        self.on_piece(self.points.partition_point(before), time)[0]
+    }
+
     /// Number of points before a time and at it.
     fn passed(&self, time: Clock) -> usize {
         self.points

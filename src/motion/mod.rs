@@ -82,6 +82,12 @@ pub trait Segment: sealed::Sealed + Clone {
     /// State at a finite time t after the **start** of the step,
     /// 0 ≤ t ≤ [`duration`](Self::duration).
     fn state_at(&self, t: f64) -> Self::State;
+    /// The state at a time of the step, as [`Trajectory::state_at`] returns it: a time since the
+    /// start has a rounding error of its own.
+    #[doc(hidden)]
+    fn state_at_time(&self, time: f64) -> Self::State {
+        self.state_at(self.since_start(time))
+    }
     /// State at the end of the step; if it ends with an event, the state of the event.
     fn end_state(&self) -> Self::State;
     /// The events that end the step, in the order of the contacts.

@@ -97,8 +97,7 @@ impl<S: SystemState> Trajectory<S> {
     /// The start is at time 0, unless
     /// [`Integrator::with_start_time`](crate::Integrator::with_start_time) sets another time.
     pub fn state_at(&self, time: f64) -> Option<S> {
-        let step = self.step_at(time)?;
-        Some(step.state_at(step.since_start(time)))
+        Some(self.step_at(time)?.state_at_time(time))
     }
 
     /// The states at n equidistant times from start to end, each with its time. For n = 0 the list

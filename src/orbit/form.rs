@@ -3,6 +3,7 @@
 use std::cell::{Cell, OnceCell};
 
 use super::search::{LOOK_EVERY, MOST_STEPS_OF_A_SEARCH, Watched};
+use crate::clock::Clock;
 use crate::drive;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode};
@@ -186,8 +187,8 @@ impl<'s> GeneralForm<'s> {
     /// Returns true if the relative velocity of a contact at a time is 0.
     pub(super) fn is_at_rest(&self, contact: usize, velocities: &[f64], time: f64) -> bool {
         let contact = &self.model.contacts[contact];
-        let surface = contact.belt_velocity.value(time);
-        contact.sliding_velocity(|j| velocities[j], surface) == 0.0
+        let surface = contact.belt_velocity.at(Clock::at(time));
+        contact.sliding_velocity(|j| velocities[j], surface, time) == 0.0
     }
 
     /// Returns true if a contact that sticks holds its coordinates: an elastic one does not.

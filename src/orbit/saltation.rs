@@ -24,6 +24,7 @@ use nalgebra::{DMatrix, RowDVector};
 
 use super::linear::Linear;
 use super::tangent::TangentFlow;
+use crate::clock::Clock;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::{Event, EventKind, Mode, Segment};
@@ -159,10 +160,11 @@ impl TangentFlow<'_> {
             if contact.is_elastic() {
                 continue;
             }
-            let surface = contact.belt_velocity.at(step.clock())[0];
+            let surface = contact.belt_velocity.at(step.clock());
             let velocity = |j: usize| self.start.velocities[j];
             let rests = step.modes()[number] == Mode::Stick;
-            if rests || contact.sliding_velocity(velocity, surface) != 0.0 {
+            let time = step.start_time();
+            if rests || contact.sliding_velocity(velocity, surface, time) != 0.0 {
                 continue;
             }
             let variable = |j: usize| self.start.memory.get(j).copied().unwrap_or(0.0);
@@ -273,8 +275,9 @@ impl TangentFlow<'_> {
         // The memory stops or continues with the load.
         let data = &self.form.model.contacts[contact];
         let velocities = step.end_state().velocities;
-        let surface = data.belt_velocity.series(step.clock()).at(step.duration());
-        let velocity = data.sliding_velocity(|j| velocities[j], surface);
+        let time = step.end_time();
+        let surface = data.belt_velocity.at(Clock::at(time));
+        let velocity = data.sliding_velocity(|j| velocities[j], surface, time);
         let motion = match Direction::of(velocity).filter(|_| mode != Mode::Stick) {
             None => Motion::Stick,
             Some(direction) => Motion::Slip(Slip {

@@ -63,6 +63,39 @@ impl From<[f64; 2]> for State {
     }
 }
 
+/// The velocity of a surface in a state, for [`relative_velocity`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Surface {
+    pub(crate) velocity: f64,
+    /// Sum of the sizes of the terms of the velocity.
+    pub(crate) size: f64,
+    /// The acceleration, times the time.
+    pub(crate) drift: f64,
+}
+
+/// The relative velocity r = Σ b_j v_j − w of a state with these products b_j v_j; 0 if it is
+/// within its rounding error.
+///
+/// The state of a contact that sticks was rounded, so its r is rarely 0 to the bit. Let S be the
+/// sum of the sizes of all terms. The n products and n sums have rounding errors of half an ulp
+/// each, together at most (n + 1) ε S/2, and so have the velocities themselves, in which a step
+/// has put w and the other velocities together. Two conversions of units add 2 ε S. The time is
+/// known to its rounding error, too, in which the velocity of the surface changes.
+pub(crate) fn relative_velocity(products: impl Iterator<Item = f64>, surface: Surface) -> f64 {
+    let (mut sum, mut size, mut roundings) = (0.0, surface.size, 3.0);
+    for product in products {
+        sum += product;
+        size += product.abs();
+        roundings += 1.0;
+    }
+    let relative: f64 = sum - surface.velocity;
+    if relative.abs() <= f64::EPSILON * (roundings * size + surface.drift.abs()) {
+        0.0
+    } else {
+        relative
+    }
+}
+
 /// The direction in which the mass slides on the belt: the sign of the relative velocity v_r = v −
 /// v_b, with the velocity v of the mass and v_b of the belt. For a [`Contact`](crate::Contact) it
 /// is the sign of the contact's relative velocity r.

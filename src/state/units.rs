@@ -10,6 +10,9 @@ pub(crate) struct Units {
     pub(crate) rate: f64,
     /// K, newtons per metre.
     pub(crate) stiffness: f64,
+    /// V, metres per second: the velocity of a mass that sticks has its bits. `None` if it is only
+    /// known without units.
+    pub(crate) belt_velocity: Option<f64>,
 }
 
 impl Units {
@@ -18,6 +21,7 @@ impl Units {
         length: 1.0,
         rate: 1.0,
         stiffness: 1.0,
+        belt_velocity: None,
     };
 
     /// ω0 L, metres per second.

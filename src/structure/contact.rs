@@ -79,10 +79,10 @@ pub struct Contact {
     /// b by ascending coordinate; none is 0.
     direction: Vec<(usize, f64)>,
     law: Arc<dyn LawObject + Send + Sync>,
-    pub(super) load: Drive,
+    pub(super) load: Arc<Drive>,
     /// n_j by ascending coordinate j; none is 0.
     pub(super) load_gradient: Vec<(usize, f64)>,
-    belt_velocity: Drive,
+    belt_velocity: Arc<Drive>,
     /// k_t of an elastic contact.
     pub(super) tangential_stiffness: Option<f64>,
     /// d by ascending coordinate, and k_n.
@@ -140,9 +140,9 @@ impl Contact {
             coordinate,
             direction,
             law: Arc::new(law),
-            load: checked_load(load.into())?,
+            load: Arc::new(checked_load(load.into())?),
             load_gradient: Vec::new(),
-            belt_velocity: Drive::constant(0.0),
+            belt_velocity: Arc::new(Drive::constant(0.0)),
             tangential_stiffness: None,
             normal_spring: None,
         })
@@ -157,9 +157,9 @@ impl Contact {
             coordinate: 0,
             direction: vec![(0, 1.0)],
             law: Arc::new(belt.law().clone()),
-            load: Drive::constant(belt.load()),
+            load: Arc::new(Drive::constant(belt.load())),
             load_gradient: Vec::new(),
-            belt_velocity: Drive::constant(belt.belt_velocity()),
+            belt_velocity: Arc::new(Drive::constant(belt.belt_velocity())),
             tangential_stiffness: None,
             normal_spring: None,
         }
@@ -171,7 +171,7 @@ impl Contact {
     /// The velocity must not jump, except at an elastic contact;
     /// [`Structure::with_contact`](crate::Structure::with_contact) checks this.
     pub fn on_belt(mut self, velocity: impl Into<Drive>) -> Self {
-        self.belt_velocity = velocity.into();
+        self.belt_velocity = Arc::new(velocity.into());
         self
     }
 
@@ -276,7 +276,7 @@ impl Contact {
         let mut data = ContactData::new(
             Cow::Borrowed(&self.direction),
             &*self.law,
-            [&self.load, &self.belt_velocity].map(Cow::Borrowed),
+            [&self.load, &self.belt_velocity].map(Arc::clone),
             self.whole_gradient().collect(),
         );
         data.tangential_stiffness = self.tangential_stiffness;

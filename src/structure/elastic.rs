@@ -1,5 +1,7 @@
 //! Elastic contacts, and contacts with their own normal spring.
 
+use std::sync::Arc;
+
 use super::contact::Contact;
 use crate::error::Error;
 
@@ -196,7 +198,7 @@ impl Contact {
 
     /// Multiplies the load, its gradient and its normal spring by a share.
     fn scale_load(&mut self, share: f64) -> Result<(), Error> {
-        self.load = self.load.scaled(share);
+        self.load = Arc::new(self.load.scaled(share));
         let spring = self.normal_spring.iter_mut();
         let gradients = self.load_gradient.iter_mut().map(|(_, n)| n);
         let mut largest = self.load.size();

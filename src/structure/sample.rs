@@ -4,7 +4,7 @@ use super::energy::check_motion;
 use super::engine::instant::Forces;
 use super::system::Structure;
 use crate::error::Error;
-use crate::motion::{Mode, Segment, Trajectory};
+use crate::motion::{Mode, Trajectory};
 use crate::state::structure::State;
 
 /// State, forces and accelerations of a [`Structure`] at one instant of a motion. See
@@ -65,7 +65,7 @@ impl Structure {
         let model = self.model();
         check_motion(&model, motion)?;
         Ok(motion.steps_every(interval)?.map(move |(time, step)| {
-            let instant = Forces::of(&model, step).at(step.since_start(time));
+            let instant = Forces::of(&model, step).at_time(time);
             let contacts = instant.contacts.iter();
             let (friction, loads) = contacts.map(|at| (at.carried, at.load)).unzip();
             Sample {

@@ -1,6 +1,7 @@
 //! Changes of stability of steady sliding while drives vary slowly.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::system::Structure;
 use crate::drive::Drive;
@@ -55,7 +56,7 @@ impl Structure {
         }
         for contact in self.contacts() {
             let mut contact = contact.clone().on_belt(held(contact.belt_velocity()));
-            contact.load = held(&contact.load);
+            contact.load = Arc::new(held(&contact.load));
             frozen = frozen.with_contact(contact)?;
         }
         Ok(frozen)

@@ -1,5 +1,6 @@
 use std::sync::{Arc, OnceLock};
 
+use super::engine::modes::Modes;
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::sealed::Sealed;
@@ -19,7 +20,7 @@ pub struct Step {
     end: Clock,
     duration: f64,
     /// Shared with other steps in the same modes.
-    modes: Arc<[Mode]>,
+    modes: Arc<Modes>,
     /// The number of coordinates.
     coordinates: usize,
     /// Displacements, velocities and memory variables at the start, then at the end: in one piece,
@@ -80,7 +81,7 @@ impl Step {
     pub(super) fn new(
         start: Clock,
         (duration, end): (f64, Clock),
-        modes: Arc<[Mode]>,
+        modes: Arc<Modes>,
         (coordinates, ends): (usize, Vec<f64>),
         series: Vec<PowerSeries>,
         (events, after): (Vec<Event<State>>, EventData),
@@ -107,6 +108,31 @@ impl Step {
     /// The state with these numbers.
     fn state_of(&self, numbers: &[f64]) -> State {
         State::of_numbers(self.coordinates, numbers)
+    }
+
+    /// The state at a time, of which also the duration since the start is known.
+    fn state_since(&self, t: f64, time: f64) -> State {
+        let (start, end) = self.ends();
+        if t == 0.0 || self.series.is_empty() {
+            return self.state_of(start);
+        }
+        if t == self.duration && t.is_finite() {
+            return self.state_of(end);
+        }
+        let (velocities, memory) = self.series.split_at(self.coordinates);
+        let displacements = std::iter::zip(start, velocities);
+        let mut state = State {
+            displacements: displacements.map(|(q, v)| q + t * v.mean(t)).collect(),
+            velocities: velocities.iter().map(|v| v.at(t)).collect(),
+            memory: memory.iter().map(|z| z.at(t)).collect(),
+        };
+        let State {
+            displacements,
+            velocities,
+            memory,
+        } = &mut state;
+        self.modes.put(time, displacements, velocities, memory);
+        state
     }
 
     /// The same step with another state at its end.
@@ -181,7 +207,7 @@ impl Step {
 
     /// The mode of each contact during the step.
     pub fn modes(&self) -> &[Mode] {
-        &self.modes
+        &self.modes.modes
     }
 
     /// State at the start of the step. If the step begins at an event, the memory variables have
@@ -196,7 +222,7 @@ impl PartialEq for Step {
     fn eq(&self, other: &Self) -> bool {
         let plain = |step: &Self| (step.start, step.end, step.duration, step.coordinates);
         plain(self) == plain(other)
-            && self.modes == other.modes
+            && self.modes() == other.modes()
             && self.ends == other.ends
             && self.series == other.series
             && self.ending == other.ending
@@ -209,7 +235,7 @@ impl std::fmt::Debug for Step {
         f.debug_struct("Step")
             .field("start_time", &self.start.time)
             .field("duration", &self.duration)
-            .field("modes", &self.modes)
+            .field("modes", &self.modes())
             .field("state", self.state())
             .field("events", &self.events())
             .finish_non_exhaustive()
@@ -238,20 +264,11 @@ impl Segment for Step {
     }
 
     fn state_at(&self, t: f64) -> State {
-        let (start, end) = self.ends();
-        if t == 0.0 || self.series.is_empty() {
-            return self.state_of(start);
-        }
-        if t == self.duration && t.is_finite() {
-            return self.state_of(end);
-        }
-        let (velocities, memory) = self.series.split_at(self.coordinates);
-        let displacements = std::iter::zip(start, velocities);
-        State {
-            displacements: displacements.map(|(q, v)| q + t * v.mean(t)).collect(),
-            velocities: velocities.iter().map(|v| v.at(t)).collect(),
-            memory: memory.iter().map(|z| z.at(t)).collect(),
-        }
+        self.state_since(t, self.start.after(t).time)
+    }
+
+    fn state_at_time(&self, time: f64) -> State {
+        self.state_since(self.since_start(time), time)
     }
 
     fn end_state(&self) -> State {
@@ -264,7 +281,7 @@ impl Segment for Step {
 
     fn until(self, time: f64) -> Self {
         let duration = self.since_start(time);
-        let state = self.state_at(duration);
+        let state = self.state_at_time(time);
         Self {
             end: Clock::at(time),
             duration,
@@ -321,6 +338,6 @@ impl Trajectory<State> {
         interval: f64,
     ) -> Result<impl Iterator<Item = (f64, State, &[Mode])>, Error> {
         let steps = self.steps_every(interval)?;
-        Ok(steps.map(|(time, step)| (time, step.state_at(step.since_start(time)), step.modes())))
+        Ok(steps.map(|(time, step)| (time, step.state_at_time(time), step.modes())))
     }
 }

@@ -24,6 +24,7 @@ mod memory;
 mod memory_formulas;
 mod not_numbers;
 mod random;
+mod restarts;
 mod steady;
 mod steady_at;
 mod stiff_memory;

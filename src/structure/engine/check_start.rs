@@ -69,7 +69,8 @@ pub(crate) fn check_sizes(model: &Model<'_>, start: &State) -> Result<(), Error>
     Ok(())
 }
 
-/// Checks that an elastic contact can carry its force at a start.
+/// Checks that an elastic contact can carry its force at a start. Where its load jumps, it may
+/// carry what it could before.
 fn check_carried(
     c: usize,
     contact: &ContactData<'_>,
@@ -79,7 +80,10 @@ fn check_carried(
 ) -> Result<(), Error> {
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
     let displacement = |j: usize| start.displacements[j];
-    let limit = contact.limit_at(time, displacement);
+    let mut limit = contact.limit_at(time, displacement);
+    if contact.load.jumps_at(time) {
+        limit = limit.max(contact.limit_before(time, displacement));
+    }
     let rounding = ROUNDING * contact.constant_coefficient() * contact.load_size(displacement);
     if carried.abs() <= limit + rounding {
         return Ok(());

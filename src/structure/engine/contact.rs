@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::drive::Drive;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
-use crate::state::Direction;
+use crate::state::{Direction, Surface, relative_velocity};
 
 /// Entries of a vector by their coordinates, without zeros.
 pub(crate) type Entries = [(usize, f64)];
@@ -17,10 +18,10 @@ pub(crate) struct ContactData<'s> {
     /// b.
     pub(crate) direction: Cow<'s, Entries>,
     pub(crate) law: &'s dyn LawObject,
-    pub(crate) load: Cow<'s, Drive>,
+    pub(crate) load: Arc<Drive>,
     /// n, including the stiffness of a normal spring.
     pub(crate) load_gradient: Vec<(usize, f64)>,
-    pub(crate) belt_velocity: Cow<'s, Drive>,
+    pub(crate) belt_velocity: Arc<Drive>,
     /// k_t of an elastic contact.
     pub(crate) tangential_stiffness: Option<f64>,
     /// The direction d of its normal spring; empty without one.
@@ -59,7 +60,7 @@ impl<'s> ContactData<'s> {
     pub(crate) fn new(
         direction: Cow<'s, Entries>,
         law: &'s dyn LawObject,
-        [load, belt_velocity]: [Cow<'s, Drive>; 2],
+        [load, belt_velocity]: [Arc<Drive>; 2],
         load_gradient: Vec<(usize, f64)>,
     ) -> Self {
         Self {
@@ -93,23 +94,25 @@ impl<'s> ContactData<'s> {
         self.load_gradient.iter().map(|&(j, n)| n * x(j)).sum()
     }
 
-    /// The sliding velocity. For several coordinates it is 0 if it is within the rounding error of
-    /// their difference.
-    pub(crate) fn sliding_velocity(&self, v: impl Fn(usize) -> f64, surface: f64) -> f64 {
-        /// 0.1 + 0.2 and 0.3 are the same speed.
-        const ROUNDING: f64 = 4.0 * f64::EPSILON;
-        let velocity = self.along(&v) - surface;
-        let size = self.size_along(v) + surface.abs();
-        if self.direction.len() > 1 && velocity.abs() <= ROUNDING * size {
-            0.0
-        } else {
-            velocity
-        }
+    /// The relative velocity in a state at a time, with the velocity and acceleration of the
+    /// surface; 0 if it is within its rounding error.
+    pub(crate) fn sliding_velocity(
+        &self,
+        v: impl Fn(usize) -> f64,
+        [velocity, acceleration]: [f64; 2],
+        time: f64,
+    ) -> f64 {
+        let surface = Surface {
+            velocity,
+            size: self.belt_velocity.size(),
+            drift: acceleration * time,
+        };
+        relative_velocity(self.direction.iter().map(|&(j, b)| b * v(j)), surface)
     }
 
     /// N at a time, negative if the contact is open.
     pub(crate) fn load_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
-        self.load.value(time) + self.displacement_load(displacement)
+        load_at(self.load.value(time), &self.load_gradient, displacement)
     }
 
     /// The kinetic coefficient at speed 0 for slip in a direction, and the static coefficient if it
@@ -157,6 +160,16 @@ impl<'s> ContactData<'s> {
         (self.constant_coefficient() * self.load_at(time, displacement)).max(0.0)
     }
 
+    /// The same just before a time at which the load jumps.
+    pub(super) fn limit_before(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
+        let load = load_at(
+            self.load.just_before(time),
+            &self.load_gradient,
+            displacement,
+        );
+        (self.constant_coefficient() * load).max(0.0)
+    }
+
     /// Sum of the sizes of all terms of the load.
     pub(crate) fn load_size(&self, displacement: impl Fn(usize) -> f64) -> f64 {
         let by_displacements = self.load_gradient.iter();
@@ -186,6 +199,12 @@ impl ContactData<'_> {
             Site::Shared { coupled, .. } => coupled,
         }
     }
+}
+
+/// N0 + n·q.
+pub(super) fn load_at(given: f64, gradient: &Entries, displacement: impl Fn(usize) -> f64) -> f64 {
+    let by_displacements = gradient.iter().map(|&(j, n)| n * displacement(j));
+    given + by_displacements.sum::<f64>()
 }
 
 /// The entry of a coordinate; 0 if there is none.

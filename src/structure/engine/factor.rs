@@ -30,6 +30,19 @@ pub(super) struct Pivot {
     pub(super) surfaces: Vec<(usize, f64)>,
 }
 
+impl Pivot {
+    /// v, from the velocities of surfaces and of the other coordinates.
+    pub(super) fn velocity(
+        &self,
+        surface: impl Fn(usize) -> f64,
+        other: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let carried = self.surfaces.iter().map(|&(c, part)| part * surface(c));
+        let others = self.others.iter().map(|&(j, b)| b * other(j));
+        (carried.sum::<f64>() - others.sum::<f64>()) / self.own
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     /// Column of the first entry.

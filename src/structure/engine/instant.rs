@@ -55,23 +55,28 @@ impl<'a, 's> Forces<'a, 's> {
     /// Forces at a time t after the start of the step.
     pub(crate) fn at(&self, t: f64) -> Instant {
         let clock = self.step.clock().after(t);
-        self.with(t, &|drive| drive.at(clock))
+        self.with(self.step.state_at(t), &|drive| drive.at(clock))
+    }
+
+    /// Forces at a time of the step.
+    pub(crate) fn at_time(&self, time: f64) -> Instant {
+        let state = self.step.state_at_time(time);
+        self.with(state, &|drive| drive.at(Clock::at(time)))
     }
 
     /// Forces at a time t after the start of the step with the drives of this step, which may jump
     /// at its end.
     pub(crate) fn before(&self, t: f64) -> Instant {
         let clock = self.step.clock();
-        self.with(t, &|drive| {
+        self.with(self.step.state_at(t), &|drive| {
             let series = drive.series(clock);
             [series.at(t), series.slope_at(t)]
         })
     }
 
-    /// Forces at a time, with value and slope of each drive.
-    fn with(&self, t: f64, drive: &dyn Fn(&Drive) -> [f64; 2]) -> Instant {
+    /// Forces in a state, with value and slope of each drive.
+    fn with(&self, state: State, drive: &dyn Fn(&Drive) -> [f64; 2]) -> Instant {
         let (model, step) = (self.model, self.step);
-        let state = step.state_at(t);
         let (q, v) = (&state.displacements, &state.velocities);
         let forces = model.forces.iter().map(|force| drive(force)[0]);
         let forces: Vec<f64> = forces.collect();

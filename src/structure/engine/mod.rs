@@ -24,6 +24,7 @@
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
 //! | `landing.rs` | the state at the end of a step |
+//! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
 //! | `transitions.rs` | the modes of contacts after an event, one by one |
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
@@ -43,6 +44,7 @@ mod groups;
 pub(crate) mod instant;
 mod landing;
 pub(crate) mod model;
+pub(crate) mod modes;
 mod plan;
 mod reconcile;
 mod series;
@@ -63,6 +65,7 @@ use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
 use landing::{AcceptedStep, land};
 use model::Model;
+use modes::{At, Modes};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
@@ -73,7 +76,7 @@ use crate::clock::Clock;
 use crate::error::Error;
 use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
-use crate::motion::{Event, EventKind, Mode};
+use crate::motion::{Event, EventKind};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::structure::State;
 
@@ -86,7 +89,7 @@ pub(super) struct Engine<'s> {
     control: Control,
     firings: Firings,
     /// Those of the contacts now.
-    modes: Arc<[Mode]>,
+    modes: Arc<Modes>,
     /// Steps of no length, one after the other.
     idle: usize,
     /// The error that ends the motion.
@@ -128,18 +131,18 @@ impl<'s> Engine<'s> {
         }
         expand_drives(model, situation, series);
         let state = situation.state(model, series);
-        let before = situation.modes();
+        let before = Arc::new(Modes::of(model, situation));
         decide(model, situation, series, Disturbance::Jump)?;
         // A start beyond the band slips at once, without an event; one on its edge, growing, is a
         // release.
-        let mut events = events_between(&before, situation, &state);
+        let mut events = events_between(&before.modes, situation, &state);
         events.retain(|event| {
             let edge = situation.contacts[event.contact].edge;
             let is_release = matches!(event.kind, EventKind::Release(_));
             // The force of an elastic contact at the start determines whether its slider moves.
             is_release && edge != Edge::Away && !model.contacts[event.contact].is_elastic()
         });
-        engine.modes = engine.situation.modes();
+        engine.modes = Arc::new(Modes::of(model, situation));
         let first = (!events.is_empty()).then(|| {
             let ends: Vec<f64> = state.numbers().chain(state.numbers()).collect();
             let ends = (engine.model.len(), ends);
@@ -158,6 +161,7 @@ impl<'s> Engine<'s> {
         let mut ends = Vec::with_capacity(2 * (2 * n + self.model.remembered()));
         let (start, modes) = (self.situation.clock, Arc::clone(&self.modes));
         self.situation.add_to(&mut ends, &self.model, &self.series);
+        modes.put_at_end(start.time, At::After, n, &mut ends);
         let settled = self.settle()?;
         let series = self.emitted();
         if settled.duration.is_infinite() {
@@ -185,15 +189,25 @@ impl<'s> Engine<'s> {
         } = self;
         let disturbance = land(model, situation, next, firings, settled);
         let trigger = trigger(model, situation, next, settled.duration);
+        let half = ends.len();
         situation.add_to(&mut ends, model, next);
+        let (at_end, time) = (&mut ends[half..], situation.clock.time);
+        modes.put_at_end(time, At::Before, n, at_end);
         let span = (settled.duration, situation.clock);
         let mut events = Vec::new();
         match decide(model, situation, next, disturbance) {
-            Ok(()) if situation.is_in(now) => {}
+            Ok(()) if situation.is_in(&now.modes) => {}
             Ok(()) => {
-                let end = State::of_numbers(n, &ends[ends.len() / 2..]);
-                events = events_between(now, situation, &end);
-                *now = situation.modes();
+                let after = Arc::new(Modes::of(model, situation));
+                // The memory is that before the event. A decision may have put velocities at rest.
+                let velocities = &mut at_end[n..2 * n];
+                for &j in &model.shared_coordinates {
+                    velocities[j] = situation.coordinates[j].velocity;
+                }
+                after.carry(time, velocities);
+                let end = State::of_numbers(n, at_end);
+                events = events_between(&now.modes, situation, &end);
+                *now = after;
             }
             // The step is valid; the error concerns the motion after its end.
             Err(found) => *error = Some(found),

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
@@ -87,7 +88,7 @@ impl<'s> Model<'s> {
         let contact = ContactData::new(
             Cow::Borrowed(&[(0, 1.0)]),
             belt.law(),
-            [belt.load(), belt.belt_velocity()].map(|value| Cow::Owned(Drive::constant(value))),
+            [belt.load(), belt.belt_velocity()].map(|value| Arc::new(Drive::constant(value))),
             Vec::new(),
         );
         Self::new(

@@ -1,7 +1,6 @@
 //! Coordinates that contacts share, after a step: the relative velocities of contacts are
 //! integrated separately, and the velocities of the coordinates are adjusted to them.
 
-use super::contact::Entries;
 use super::factor::{Pivot, ROUNDING};
 use super::model::Model;
 use super::series::Series;
@@ -176,12 +175,9 @@ pub(super) fn hold_left_out(
 /// Contacts at rest to the bit.
 fn hold(situation: &mut Situation, series: &Series, pivots: &[Pivot]) {
     for pivot in pivots {
-        let sum = |entries: &Entries, x: &dyn Fn(usize) -> f64| -> f64 {
-            entries.iter().map(|&(at, b)| b * x(at)).sum()
-        };
-        let carried = sum(&pivot.surfaces, &|c| series.contacts[c].surface[0]);
-        let others = sum(&pivot.others, &|j| situation.coordinates[j].velocity);
-        situation.coordinates[pivot.coordinate].velocity = (carried - others) / pivot.own;
+        let surface = |c: usize| series.contacts[c].surface[0];
+        let velocity = pivot.velocity(surface, |j| situation.coordinates[j].velocity);
+        situation.coordinates[pivot.coordinate].velocity = velocity;
     }
 }
 

@@ -1,7 +1,5 @@
 //! The situation: data that change at events.
 
-use std::sync::Arc;
-
 use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::{Holding, Pivot};
@@ -222,10 +220,6 @@ impl Situation {
         if model.remembered() > 0 {
             list.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
         }
-    }
-
-    pub(super) fn modes(&self) -> Arc<[Mode]> {
-        self.contacts.iter().map(ContactState::mode).collect()
     }
 
     /// Returns true if these are the modes of all contacts.

@@ -163,8 +163,10 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
         ask_again(situation, c);
         return;
     }
-    let surface = series.contacts[c].surface[0];
-    let relative = contact.sliding_velocity(|j| situation.velocity(model, series, j), surface);
+    let surface = &series.contacts[c].surface;
+    let velocity = |j: usize| situation.velocity(model, series, j);
+    let time = situation.clock.time;
+    let relative = contact.sliding_velocity(velocity, [surface[0], surface[1]], time);
     let from = situation.displacement_along(contact);
     let since = situation.clock;
     let state = &mut situation.contacts[c];

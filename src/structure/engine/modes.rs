@@ -1,0 +1,151 @@
+//! The modes of all contacts, and the numbers of a state that they determine.
+//!
+//! Within a step the velocities and memory variables are polynomials of their own, so at most times
+//! their values satisfy the conditions of stick and of sliders up to rounding errors only. A state
+//! has these numbers from the conditions themselves: it is then a start in the same modes.
+
+use std::sync::Arc;
+
+use super::contact::{ContactData, load_at};
+use super::factor::Pivot;
+use super::model::Model;
+use super::state::{ContactState, Situation};
+use crate::drive::Drive;
+use crate::motion::Mode;
+use crate::state::Direction;
+
+/// The modes of all contacts in a step; shared by steps in the same modes.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Modes {
+    pub(crate) modes: Box<[Mode]>,
+    /// Coordinates with their own contact, which sticks to a surface of varying velocity.
+    carried: Vec<(usize, Arc<Drive>)>,
+    /// Other velocities that follow from contacts in stick, in this order.
+    held: Vec<Pivot>,
+    /// The surfaces of these contacts, by ascending number of the contact.
+    surfaces: Vec<(usize, Arc<Drive>)>,
+    limits: Vec<Limit>,
+}
+
+/// The limit μN of the force of an elastic contact.
+#[derive(Debug, Clone)]
+struct Limit {
+    /// The place of the force among the memory variables.
+    place: usize,
+    /// The direction in which the slider moves, if it does.
+    side: Option<Direction>,
+    coefficient: f64,
+    load: Arc<Drive>,
+    gradient: Vec<(usize, f64)>,
+}
+
+/// The two values of a drive at a jump.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum At {
+    Before,
+    After,
+}
+
+impl Modes {
+    /// The modes of a situation.
+    pub(super) fn of(model: &Model<'_>, situation: &Situation) -> Self {
+        let modes = situation.contacts.iter().map(ContactState::mode);
+        let mut all = Self {
+            modes: modes.collect(),
+            ..Self::default()
+        };
+        for (c, contact) in model.contacts.iter().enumerate() {
+            match (model.owner_of(c), all.modes[c]) {
+                _ if contact.is_elastic() => all.limits.extend(Limit::of(contact, all.modes[c])),
+                // A polynomial that is constant has no rounding errors.
+                (Some(i), Mode::Stick) if !contact.belt_velocity.is_constant() => {
+                    all.carried.push((i, Arc::clone(&contact.belt_velocity)));
+                }
+                _ => {}
+            }
+        }
+        let holding = &situation.holding.contacts;
+        if !holding.is_empty() {
+            let surface = |&c: &usize| (c, Arc::clone(&model.contacts[c].belt_velocity));
+            all.surfaces = holding.iter().map(surface).collect();
+            all.surfaces.sort_by_key(|&(c, _)| c);
+            all.held = model.pivots(holding);
+        }
+        all
+    }
+
+    /// Sets the numbers of a state at a time within the step that the modes determine: the
+    /// velocities of stuck coordinates, the forces of sliders that move, and the forces of others to
+    /// their limits at most.
+    pub(crate) fn put(
+        &self,
+        time: f64,
+        displacements: &[f64],
+        velocities: &mut [f64],
+        memory: &mut [f64],
+    ) {
+        self.carry(time, velocities);
+        let surface = |c: usize| {
+            let place = self.surfaces.binary_search_by_key(&c, |&(c, _)| c);
+            place.map_or(f64::NAN, |place| self.surfaces[place].1.value(time))
+        };
+        for pivot in &self.held {
+            velocities[pivot.coordinate] = pivot.velocity(surface, |j| velocities[j]);
+        }
+        self.limit(time, At::Before, displacements, memory);
+    }
+
+    /// The same at an end of a step, where the engine has set all that does not depend on the time:
+    /// its clock is finer than the time of a state.
+    pub(super) fn put_at_end(&self, time: f64, at: At, coordinates: usize, numbers: &mut [f64]) {
+        let (displacements, others) = numbers.split_at_mut(coordinates);
+        let (velocities, memory) = others.split_at_mut(coordinates);
+        self.carry(time, velocities);
+        self.limit(time, at, displacements, memory);
+    }
+
+    /// Sets the velocities of coordinates with their own contact in stick.
+    pub(super) fn carry(&self, time: f64, velocities: &mut [f64]) {
+        for (i, surface) in &self.carried {
+            velocities[*i] = surface.value(time);
+        }
+    }
+
+    fn limit(&self, time: f64, at: At, displacements: &[f64], memory: &mut [f64]) {
+        for limit in &self.limits {
+            if let Some(carried) = memory.get_mut(limit.place) {
+                let most = limit.at(time, at, displacements);
+                *carried = match limit.side {
+                    None => carried.clamp(-most, most),
+                    Some(side) => side.sign() * most,
+                };
+            }
+        }
+    }
+}
+
+impl Limit {
+    fn of(contact: &ContactData<'_>, mode: Mode) -> Option<Self> {
+        let side = match mode {
+            Mode::Open => return None,
+            Mode::Stick => None,
+            Mode::Slip(side) => Some(side),
+        };
+        Some(Self {
+            place: contact.memory.start,
+            side,
+            coefficient: contact.constant_coefficient(),
+            load: Arc::clone(&contact.load),
+            gradient: contact.load_gradient.clone(),
+        })
+    }
+
+    fn at(&self, time: f64, at: At, displacements: &[f64]) -> f64 {
+        let given = match at {
+            At::Before => self.load.just_before(time),
+            At::After => self.load.value(time),
+        };
+        let load = load_at(given, &self.gradient, |j| displacements[j]);
+        (self.coefficient * load).max(0.0)
+    }
+}
