@@ -92,8 +92,8 @@
 //! | slip, v_r reaches 0, F in the band | [`Stick`](crate::EventKind::Stick), even if γ²μ̂(0) < \|F\|: static friction can hold the mass |
 //! | slip, v_r reaches 0, F outside the band | [`Crossing`](crate::EventKind::Crossing): slip continues with the other sign. This includes slip with v_r > 0 that ends exactly at the open end of the band |
 //! | slip with v_r < 0, v_r touches 0 tangentially at the open end of the band | no event, slip continues |
-//! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
-//! | start with v_r = 0, F outside the band, not at the release point | the mass slips at once, with the sign of −F; no event at time 0 |
+//! | start with v_r = 0 up to [rounding](#restart), F in the band | the mass sticks; no event at time 0 |
+//! | the same, F outside the band, not at the release point | the mass slips at once, with the sign of −F; no event at time 0 |
 //! | v_b > 0: start at the release point u = F_s − 2βv_b, v = v_b, within 4 ulps of the largest of these terms | `Release` at time 0, reported |
 //!
 //! [`stick_limits`](crate::MassOnBelt::stick_limits) returns the ends of the band as displacements
@@ -115,11 +115,15 @@
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
 //!   `structures::random::a_simple_integrator_sees_the_same_events`.
-//! * **Stick.** A mass that sticks to a surface has the velocity of the surface in every bit,
-//!   however this velocity varies, if the contact is rigid and created by `Contact::new`, the mass
-//!   has no second rigid contact, and the mass matrix does not couple it to other masses:
-//!   `structures::identities::a_stuck_mass_is_carried_exactly`. The velocities of masses that stick
-//!   to each other agree to rounding, and exactly at the start of each step.
+//! * **Stick.** The state of a mass that sticks to a surface has the velocity that the drive of the
+//!   surface returns for the same time, in every bit and however this velocity varies, if the
+//!   contact is rigid and created by `Contact::new`, the mass has no second rigid contact, and the
+//!   mass matrix does not couple it to other masses:
+//!   `structures::restarts::a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit`,
+//!   `structures::identities::a_stuck_mass_is_carried_exactly`. In other contacts that stick, r is
+//!   0 to the rounding errors of its own terms.
+//! * **Restart.** A state that the crate returns is a start of the same motion: see
+//!   [below](#restart).
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
@@ -150,8 +154,11 @@
 //!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A time-stepping
 //!   scheme without modes and events reaches the same states:
 //!   `structures::elastic::a_scheme_without_events_comes_to_the_same_states`.
+//!   The force of an elastic contact in a state is exactly its limit if the slider moves, and at
+//!   most its limit otherwise: `structures::restarts::sliders_carry_their_limit_in_every_bit`.
 //! * **Symmetry.** Mirror images agree in every bit, and equal masses with equal states keep equal
 //!   states in every bit: `structures::identities::mirror_images_agree_to_the_bit`,
+//!   `structures::elastic_identities::mirror_images_agree_to_the_bit`,
 //!   `structures::identities::clones_stay_together_to_the_bit`.
 //! * **Phase.** The phase of a drive stays exact after any number of periods:
 //!   `structures::identities::many_periods_lose_no_phase`.
@@ -168,6 +175,32 @@
 //!   `structures::identities::the_unit_of_time_does_not_matter`.
 //! * **Limits of work** (numbers of steps and events) are observed:
 //!   `structures::random::limits_of_work_hold`.
+//!
+//! # Restart
+//!
+//! A motion that starts at a state of another motion, at the time of this state, has the same
+//! events and states as the rest of that motion, up to rounding errors and their magnification by
+//! the problem. The forces of [`carried`](crate::Structure::carried), the accelerations and the
+//! samples agree, too: `structures::restarts::a_returned_state_is_a_start_of_the_same_motion`,
+//! `structures::restarts::samples_agree_with_forces_and_accelerations_of_their_states`,
+//! `structures::restarts::one_mass_goes_on_from_any_of_its_states_in_any_unit`. The conventions:
+//!
+//! * **At rest.** A state does not contain the modes of its contacts. A contact counts as at rest
+//!   if |r| is within the rounding error of its terms: r = Σ b_j v_j − w with n products, |r| ≤ ε
+//!   ((n + 3) S + |w' t|), where S is Σ |b_j v_j| plus the sizes of the terms of w, w' the
+//!   acceleration of the surface, t the time and ε = 2.2e-16. (For a mass on a belt this is 4ε(|v|
+//!   + |v_b|).) Stick or slip is then decided by the forces. A slip slower than this cannot be told
+//!   from stick by a state: a start with v = v_b(1 + 1e-16) sticks if static friction can hold it.
+//! * **Memory.** At r = 0 the memory of a start is that in stick. A motion that starts in stick with
+//!   a dwell clock θ in its memory continues this clock.
+//! * **Events.** The state of an event has the memory before the event, and is decided as the event
+//!   was. [`state_at`](crate::Trajectory::state_at) the time of the event returns the memory after
+//!   it. If several contacts with dwell clocks are at rest at one event, start at the state of the
+//!   event: their common decision depends on clocks that the event sets to 0.
+//! * **Directions.** A contact whose law never sticks (bristles) has a direction of slip also while
+//!   another contact holds its r at 0. No state contains this direction, and a start takes it as
+//!   [`Leading`](crate::Direction::Leading); only a `Crossing` where the other contact is released
+//!   depends on it.
 //!
 //! # Completeness
 //!

@@ -259,6 +259,42 @@ fn two_motions_never_come_apart() {
 }
 
 #[test]
+fn mirror_images_agree_to_the_bit() {
+    let mut random = Random::new(145);
+    let turned = |wave: &Wave| Wave {
+        mean: -wave.mean,
+        amplitude: -wave.amplitude,
+        ..*wave
+    };
+    let negated = |numbers: &[f64]| numbers.iter().map(|x| -x).collect::<Vec<_>>();
+    let mirrored = |state: &State| {
+        let [q, v] = [&state.displacements, &state.velocities].map(|x| negated(x));
+        State::new(&q, &v).with_memory(&negated(&state.memory))
+    };
+    let mut events = 0;
+    for number in 0..count(150) {
+        let given = Given::random(&mut random);
+        let mut image = given.clone();
+        image.forces = given.forces.iter().map(turned).collect();
+        for joint in &mut image.joints {
+            joint.surface = turned(&joint.surface);
+        }
+        let start = given.start(&mut random);
+        let about = format!("{number}: {given:?}");
+        let one = simulate(&given, &start, &about);
+        let other = simulate(&image, &mirrored(&start), &about);
+        assert_eq!(one.events().len(), other.events().len(), "{about}");
+        for (a, b) in one.events().iter().zip(other.events()) {
+            assert_eq!((a.time, a.contact), (b.time, b.contact), "{about}");
+            assert_eq!(mirrored(&a.state), b.state, "{about}");
+            events += 1;
+        }
+        assert_eq!(mirrored(&one.last()), other.last(), "{about}");
+    }
+    assert!(events > 10 * count(150), "{events}");
+}
+
+#[test]
 fn energy_is_what_forces_and_sliders_leave() {
     let mut random = Random::new(31);
     let mut worst = 0.0_f64;

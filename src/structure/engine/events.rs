@@ -105,9 +105,10 @@ fn bound_firing(
     }
     let mut found: Option<(f64, Firing)> = None;
     for side in [Direction::Lagging, Direction::Leading] {
-        let distance = edge.distance(series, side);
-        let h = found.map_or(h, |(time, _)| time);
-        found = first(&distance, h, Firing::Bound(side))?.or(found);
+        // Both over the whole step: the last bits of a root depend on the interval.
+        let firing = first(&edge.distance(series, side), h, Firing::Bound(side))?;
+        let is_first = |&(time, _): &(f64, Firing)| found.is_none_or(|(other, _)| time <= other);
+        found = firing.filter(is_first).or(found);
     }
     Ok(found)
 }

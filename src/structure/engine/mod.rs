@@ -199,12 +199,7 @@ impl<'s> Engine<'s> {
             Ok(()) if situation.is_in(&now.modes) => {}
             Ok(()) => {
                 let after = Arc::new(Modes::of(model, situation));
-                // The memory is that before the event. A decision may have put velocities at rest.
-                let velocities = &mut at_end[n..2 * n];
-                for &j in &model.shared_coordinates {
-                    velocities[j] = situation.coordinates[j].velocity;
-                }
-                after.carry(time, velocities);
+                after.carry(time, &mut at_end[n..2 * n]);
                 let end = State::of_numbers(n, at_end);
                 events = events_between(&now.modes, situation, &end);
                 *now = after;
