@@ -56,7 +56,7 @@ fn has_neighbour(
     let modes = map.end_modes();
     for _ in 0..CORRECTIONS {
         let mut here = state(&start, n);
-        form.put_in_modes(&mut here, 0.0, |c| Some(modes[c]));
+        form.put_in_modes(&mut here, 0.0, &|c| Some(modes[c]));
         let there = period_map(form, 0.0, &here, period).ok()?;
         let (matrix, right, unit) = there.equations(is_free.then_some(&map.flow[0]), period);
         let step = conserving(matrix, &right, SINGULAR, order)?;
@@ -66,7 +66,7 @@ fn has_neighbour(
         }
     }
     let mut here = state(&start, n);
-    form.put_in_modes(&mut here, 0.0, |c| Some(modes[c]));
+    form.put_in_modes(&mut here, 0.0, &|c| Some(modes[c]));
     let there = period_map(form, 0.0, &here, period).ok()?;
     let moved = (vector(&here, order) - origin).component_div(&sizes);
     let part = moved.dot(direction) / (by * direction.norm_squared());

@@ -61,8 +61,8 @@ impl<'m, 's> SlidingField<'m, 's> {
         let moving = velocities.unwrap_or(&at_rest);
         let contacts = model.contacts.iter().enumerate();
         let contacts = contacts.map(|(number, contact)| {
-            let surface = contact.belt_velocity.value(0.0);
-            let relative = contact.sliding_velocity(|j| moving[j], surface);
+            let surface = [contact.belt_velocity.value(0.0), 0.0];
+            let relative = contact.sliding_velocity(|j| moving[j], surface, 0.0);
             let may_stick = contact.is_elastic() || contact.law.limit(&|_| 0.0).is_some();
             if relative == 0.0 && velocities.is_some() && may_stick {
                 return Ok(None);

@@ -54,7 +54,10 @@ fn manifest(key: &str) -> &'static str {
 fn the_readme_is_short() {
     assert!(README.lines().count() <= 150);
     let place = |command: &str| README.lines().position(|line| line.starts_with(command));
-    for command in ["cargo run -p quickstart --example quickstart", "cargo test --release"] {
+    for command in [
+        "cargo run -p quickstart --example quickstart",
+        "cargo test --release",
+    ] {
         assert!(place(command).is_some_and(|line| line < 60), "{command}");
     }
 }

@@ -272,7 +272,7 @@ fn mirror_images_agree_to_the_bit() {
         State::new(&q, &v).with_memory(&negated(&state.memory))
     };
     let mut events = 0;
-    for number in 0..count(150) {
+    for number in 0..count(150, 1000) {
         let given = Given::random(&mut random);
         let mut image = given.clone();
         image.forces = given.forces.iter().map(turned).collect();
@@ -291,7 +291,7 @@ fn mirror_images_agree_to_the_bit() {
         }
         assert_eq!(mirrored(&one.last()), other.last(), "{about}");
     }
-    assert!(events > 10 * count(150), "{events}");
+    assert!(events > 10 * count(150, 1000), "{events}");
 }
 
 #[test]

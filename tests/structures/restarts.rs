@@ -6,8 +6,7 @@ use stick_slip::{
     Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, Segment, Structure, Trajectory,
 };
 
-use super::random::count;
-use crate::common::Random;
+use crate::common::{Random, count};
 
 const DURATION: f64 = 20.0;
 
@@ -205,8 +204,8 @@ fn a_returned_state_is_a_start_of_the_same_motion() {
     let mut random = Random::new(49);
     let [mut restarts, mut unclear] = [0; 2];
     let mut wrong = Vec::new();
-    let each = count(20).min(50);
-    for number in 0..count(40) {
+    let each = count(20, 100).min(50);
+    for number in 0..count(40, 200) {
         let (structure, start) = draw(&mut random);
         let motion = match run(&structure, 0.0, start.clone()) {
             Ok(motion) => motion,
@@ -260,7 +259,7 @@ fn samples_agree_with_forces_and_accelerations_of_their_states() {
     let mut random = Random::new(94);
     let mut samples = 0;
     let mut wrong = Vec::new();
-    for number in 0..count(60) {
+    for number in 0..count(60, 300) {
         let (structure, start) = draw(&mut random);
         let Ok(motion) = run(&structure, 0.0, start) else {
             continue;
@@ -337,7 +336,7 @@ fn a_locked_clutch_stays_locked() {
 fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
     let mut random = Random::new(3);
     let [mut compared, mut events] = [0; 2];
-    for _ in 0..count(40) {
+    for _ in 0..count(40, 200) {
         // Metres and seconds of a small or an ordinary system.
         let (length, rate) = random.pick(&[(1.0, 1.0), (1e-3, 50.0), (2e-6, 3e3)]);
         let mut belt = Drive::constant(length * rate * random.uniform(-0.2, 0.2));
@@ -387,7 +386,7 @@ fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
         }
     }
     assert!(
-        compared > 500 * count(40) && events > 4 * count(40),
+        compared > 500 * count(40, 200) && events > 4 * count(40, 200),
         "{compared} {events}"
     );
 }
@@ -398,7 +397,7 @@ fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
 fn sliders_carry_their_limit_in_every_bit() {
     let mut random = Random::new(7);
     let [mut sliding, mut resting] = [0; 2];
-    for _ in 0..count(40) {
+    for _ in 0..count(40, 200) {
         let coefficient = random.uniform(0.2, 0.8);
         let force = Drive::sine(random.uniform(1.0, 3.0), random.uniform(0.5, 2.0)).unwrap();
         let load = Drive::constant(1.0).with_harmonic(0.3, random.uniform(0.5, 2.0), 0.0);
@@ -432,7 +431,7 @@ fn sliders_carry_their_limit_in_every_bit() {
         }
     }
     assert!(
-        sliding > 10 * count(40) && resting > 5 * count(40),
+        sliding > 10 * count(40, 200) && resting > 5 * count(40, 200),
         "{sliding} {resting}"
     );
 }
@@ -500,7 +499,7 @@ fn assert_same(
 fn one_mass_goes_on_from_any_of_its_states_in_any_unit() {
     let mut random = Random::new(11);
     let mut stuck = 0;
-    for _ in 0..count(30) {
+    for _ in 0..count(30, 150) {
         let law = Coulomb::new(random.uniform(0.4, 0.8), random.uniform(0.1, 0.4)).unwrap();
         let physical = Physical {
             mass: random.logarithmic(1e-3, 1e3),
@@ -524,7 +523,7 @@ fn one_mass_goes_on_from_any_of_its_states_in_any_unit() {
         let whole = system.simulate((0.0, 0.0), duration).unwrap();
         let seconds = duration / rate;
         let motion = brake.simulate((0.0, 0.0), seconds).unwrap();
-        for _ in 0..count(20).min(100) {
+        for _ in 0..count(20, 100).min(100) {
             let time = random.uniform(0.0, duration);
             let state = whole.state_at(time).unwrap();
             let again = system.simulate(state, duration - time).unwrap();
@@ -548,5 +547,5 @@ fn one_mass_goes_on_from_any_of_its_states_in_any_unit() {
         }
         assert_eq!(brake.release_state().unwrap().velocity, belt_velocity);
     }
-    assert!(stuck > 3 * count(30), "{stuck}");
+    assert!(stuck > 3 * count(30, 150), "{stuck}");
 }

@@ -76,7 +76,7 @@ use crate::clock::Clock;
 use crate::error::Error;
 use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
-use crate::motion::{Event, EventKind};
+use crate::motion::{Event, EventKind, Mode};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::structure::State;
 
