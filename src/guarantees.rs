@@ -122,8 +122,8 @@
 //!   `structures::restarts::a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit`,
 //!   `structures::identities::a_stuck_mass_is_carried_exactly`. In other contacts that stick, r is
 //!   0 to the rounding errors of its own terms.
-//! * **Restart.** A state that the crate returns is a start of the same motion: see
-//!   [below](#restart).
+//! * **[Restart](#restart).** A state that the crate returns is a start of the same motion:
+//!   `structures::restarts::a_returned_state_is_a_start_of_the_same_motion`.
 //! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
@@ -191,8 +191,8 @@
 //!   acceleration of the surface, t the time and ε = 2.2e-16. (For a mass on a belt this is
 //!   4ε(|v| + |v_b|).) Stick or slip is then decided by the forces. A slip slower than this cannot be told
 //!   from stick by a state: a start with v = v_b(1 + 1e-16) sticks if static friction can hold it.
-//! * **Memory.** At r = 0 the memory of a start is that in stick. A motion that starts in stick with
-//!   a dwell clock θ in its memory continues this clock.
+//! * **Memory.** At r = 0 the memory of a start is that in stick. A motion that starts in stick
+//!   with a dwell clock θ in its memory continues this clock.
 //! * **Events.** The state of an event has the memory before the event, and is decided as the event
 //!   was. [`state_at`](crate::Trajectory::state_at) the time of the event returns the memory after
 //!   it. If several contacts with dwell clocks are at rest at one event, start at the state of the

@@ -89,7 +89,9 @@ pub(crate) fn relative_velocity(products: impl Iterator<Item = f64>, surface: Su
         roundings += 1.0;
     }
     let relative: f64 = sum - surface.velocity;
-    if relative.abs() <= f64::EPSILON * (roundings * size + surface.drift.abs()) {
+    // In this order nothing overflows.
+    let rounding = f64::EPSILON * roundings * size + f64::EPSILON * surface.drift.abs();
+    if relative.is_finite() && relative.abs() <= rounding {
         0.0
     } else {
         relative

@@ -82,7 +82,12 @@ fn states_are_continuous() {
         let Some(first) = steps.first() else {
             return Ok(());
         };
-        prop_assert_eq!(first.state(), case.start);
+        // A start within rounding of the velocity of the belt has this velocity.
+        let (v, mut start) = (case.start.velocity, case.start);
+        if (v - v_b).abs() <= 4.0 * f64::EPSILON * (v.abs() + v_b.abs()) {
+            start.velocity = v_b;
+        }
+        prop_assert_eq!(first.state(), start);
         for pair in steps.windows(2) {
             let [step, next] = pair else { unreachable!() };
             let h = step.duration();

@@ -75,8 +75,8 @@ impl Modes {
     }
 
     /// Sets the numbers of a state at a time within the step that the modes determine: the
-    /// velocities of stuck coordinates, the forces of sliders that move, and the forces of others to
-    /// their limits at most.
+    /// velocities of stuck coordinates, the forces of sliders that move, and the forces of others
+    /// to their limits at most.
     pub(crate) fn put(
         &self,
         time: f64,
