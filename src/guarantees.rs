@@ -188,9 +188,10 @@
 //! * **At rest.** A state does not contain the modes of its contacts. A contact counts as at rest
 //!   if |r| is within the rounding error of its terms: r = Σ b_j v_j − w with n products, |r| ≤ ε
 //!   ((n + 3) S + |w' t|), where S is Σ |b_j v_j| plus the sizes of the terms of w, w' the
-//!   acceleration of the surface, t the time and ε = 2.2e-16. (For a mass on a belt this is
-//!   4ε(|v| + |v_b|).) Stick or slip is then decided by the forces. A slip slower than this cannot be told
-//!   from stick by a state: a start with v = v_b(1 + 1e-16) sticks if static friction can hold it.
+//!   acceleration of the surface, t the time and ε = 2.2e-16. For a mass on a belt of constant
+//!   velocity the bound is 4ε(|v| + |v_b|). Stick or slip is then decided by the forces. A state
+//!   cannot tell slower slip from stick: a start with v = v_b(1 + 2e-16) sticks if static friction
+//!   can hold it.
 //! * **Memory.** At r = 0 the memory of a start is that in stick. A motion that starts in stick
 //!   with a dwell clock θ in its memory continues this clock.
 //! * **Events.** The state of an event has the memory before the event, and is decided as the event
