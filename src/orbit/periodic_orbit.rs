@@ -230,8 +230,8 @@ impl<S: System> Orbit<S> {
         self.is_symmetric
     }
 
-    /// Returns true if all multipliers lie inside the unit circle, except for the multipliers 1 of a
-    /// [family](Self::families): small perturbations decay, up to a change of the member.
+    /// Returns true if all multipliers lie inside the unit circle, except for the multipliers 1 of
+    /// a [family](Self::families): small perturbations decay, up to a change of the member.
     pub fn is_stable(&self) -> bool {
         let mut neutral = self.neutral;
         self.multipliers.iter().all(|m| {

@@ -21,8 +21,8 @@ impl Structure {
     /// motion: K v = 0, and no load changes along v. With v = 0 this is
     /// [`steady_sliding`](Self::steady_sliding), but contacts with surfaces at rest stick.
     ///
-    /// * **Rigid-body motions** are directions e with K e = 0 along which no load changes, and which
-    ///   contacts that stick allow. [`SteadySliding::displacements`] has no part along such
+    /// * **Rigid-body motions** are directions e with K e = 0 along which no load changes, and
+    ///   which contacts that stick allow. [`SteadySliding::displacements`] has no part along such
     ///   directions, and [`SteadySliding::eigenvalues`] does not contain their zeros: one for each
     ///   direction of displacements, and one for each direction of velocities along which neither a
     ///   damper nor friction changes. (A clutch with constant friction has such a velocity; the

@@ -42,8 +42,8 @@ pub struct VibrationRange {
     /// or more, the range has hysteresis: the start determines which attractor is reached. The list
     /// is empty if no attractor was found.
     ///
-    /// [`AttractorKind::Irregular`], and any other attractor that is on no branch that was followed,
-    /// is entered for the whole range if the sweep found it at one value or more of the range. A
+    /// [`AttractorKind::Irregular`], and any other attractor on no branch that was followed, is
+    /// entered for the whole range if the sweep found it at one value or more of the range. A
     /// long transient counts as irregular, too, for example near a bifurcation: an irregular motion
     /// in the list need not be another attractor. The points of [`VibrationRanges::sweep`] in the
     /// range tell how many values are irregular. To decide, simulate the motion at one of these
