@@ -19,6 +19,10 @@
 //! perturbations are continuous. Contacts that share coordinates are coupled: the event of one
 //! changes v' of all these coordinates, and perhaps the modes of the others, at the time at which
 //! that contact reached its limit. v' just after the event is that of the next step.
+//!
+//! If several contacts reach their limits at one instant, each has its own δt, computed from δx₋ and
+//! f₋ before all of these events. This is the derivative if no event changes ∇h·δx or ∇h·f of
+//! another one; otherwise the motion has other derivatives on each side.
 
 use nalgebra::{DMatrix, RowDVector};
 
@@ -47,6 +51,13 @@ struct Instant {
     memory: Vec<f64>,
 }
 
+/// How much later a contact reaches a limit, and the coordinates of the contacts connected with it.
+struct Delay {
+    contact: usize,
+    later: RowDVector<f64>,
+    coordinates: Vec<bool>,
+}
+
 /// The law of one contact.
 #[derive(Clone, Copy)]
 struct LawAt<'l>(&'l dyn LawObject);
@@ -73,6 +84,26 @@ impl LawAt<'_> {
         let mut caught = memory.to_vec();
         self.0.caught(&mut caught);
         caught
+    }
+
+    /// The jump −f₊ + Dg f₋ + ∂g/∂t of v' by the event of a contact in a mode that reached its
+    /// limit, for the load divided by the mass; 0 if it sticks, as δv is then projected out.
+    fn jump(self, mode: Mode, kind: EventKind, load: f64, memory: &[f64]) -> f64 {
+        match kind {
+            EventKind::Open | EventKind::Close | EventKind::Stick => 0.0,
+            EventKind::Crossing(to) => {
+                let side = match mode {
+                    Mode::Slip(side) => side,
+                    _ => Direction::Leading,
+                };
+                let [before, after] = [side, to].map(|side| self.coefficient(side, memory));
+                load * (after - before)
+            }
+            EventKind::Release(to) => {
+                let surplus = self.limit(memory).0 - to.sign() * self.coefficient(to, memory);
+                -to.sign() * (load * surplus).max(0.0)
+            }
+        }
     }
 
     /// μ_s and its slopes over the memory.
@@ -224,32 +255,16 @@ impl TangentFlow<'_> {
         let law = self.law(contact);
         let at = self.instant(step, (contact, owned));
         let velocity = self.form.len() + at.coordinate;
-        let mode = step.modes()[contact];
         let never = self.row(velocity) * 0.0;
-        let arrival = || self.row(velocity) * -at.rate.recip();
-        // δt, and the jump −f₊ + Dg f₋ + ∂g/∂t of v'.
-        let (later, jump) = match kind {
-            EventKind::Open | EventKind::Close => (self.load_later(step, contact), 0.0),
-            EventKind::Stick => (arrival(), 0.0),
-            EventKind::Crossing(to) => {
-                let side = match mode {
-                    Mode::Slip(side) => side,
-                    _ => Direction::Leading,
-                };
-                let [before, after] = [side, to].map(|side| law.coefficient(side, &at.memory));
-                (arrival(), at.load * (after - before))
-            }
+        let jump = law.jump(step.modes()[contact], kind, at.load, &at.memory);
+        let later = match kind {
+            EventKind::Open | EventKind::Close => self.load_later(step, contact),
+            EventKind::Stick | EventKind::Crossing(_) => self.row(velocity) * -at.rate.recip(),
+            EventKind::Release(_) if step.is_forced(contact) => never.clone(),
             EventKind::Release(to) => {
                 let (limit, slopes) = law.limit(&at.memory);
                 let before = law.rates(Motion::Stick, &at.memory);
-                let coefficient = law.coefficient(to, &at.memory);
-                let surplus = at.load * (limit - to.sign() * coefficient);
-                let later = if step.is_forced(contact) {
-                    never.clone()
-                } else {
-                    self.later((step, contact), to.sign(), (limit, &slopes, &before), &at)
-                };
-                (later, -to.sign() * surplus.max(0.0))
+                self.later((step, contact), to.sign(), (limit, &slopes, &before), &at)
             }
         };
         let mut changes = Vec::new();
@@ -323,8 +338,9 @@ impl TangentFlow<'_> {
         (0..count).map(change).collect()
     }
 
-    /// The rows that change at events of contacts that share coordinates: all these events happen
-    /// at the time of the event that triggers them.
+    /// The rows that change at events of contacts that share coordinates. Connected contacts have
+    /// their events at the time of the first contact of them that reaches a limit. If several reach
+    /// their limits at this instant, each has its own time, and the others follow the first.
     fn changed_together(
         &self,
         step: &Step,
@@ -332,27 +348,58 @@ impl TangentFlow<'_> {
         events: &[&Event<State>],
     ) -> Vec<(usize, RowDVector<f64>)> {
         let (model, n) = (&self.form.model, self.form.len());
+        let triggers = step.after().triggers.iter();
+        let delays = triggers.map(|&trigger| Delay {
+            contact: trigger.contact(),
+            later: self.triggered_later(step, linear, trigger),
+            coordinates: model.connected(trigger.contact()),
+        });
+        let delays: Vec<Delay> = delays.collect();
         let never = self.row(0) * 0.0;
-        let trigger = step.after().trigger;
-        let later = trigger.map_or(never, |trigger| self.triggered_later(step, linear, trigger));
+        let first_on = |i: usize| match &delays[..] {
+            [] => None,
+            [only] => Some(only),
+            several => several.iter().find(|delay| delay.coordinates[i]),
+        };
         let mut changes = Vec::new();
         let slopes = |i: usize| step.series()[i].derivative().at(step.duration());
         for (i, after) in step.after().rates.iter().enumerate() {
             let jump = slopes(i) - after;
             let owner = model.owner.get(i).copied().flatten();
             if owner.is_none() && jump != 0.0 {
-                changes.push((n + i, self.row(n + i) + &later * jump));
+                let later = first_on(i).map_or(&never, |delay| &delay.later);
+                changes.push((n + i, self.row(n + i) + later * jump));
             }
         }
         for event in events {
-            let contact = event.contact;
+            let (contact, data) = (event.contact, &model.contacts[event.contact]);
             let memory = &event.state.memory[model.memory(contact)];
             let passage = self.passage(step, contact, event.kind, memory);
-            let later = match event.kind {
-                EventKind::Open | EventKind::Close => &self.load_later(step, contact),
-                _ => &later,
+            let first = data.direction.first().and_then(|&(i, _)| first_on(i));
+            let own = delays.iter().find(|delay| delay.contact == contact);
+            let later = match (event.kind, own.or(first)) {
+                (EventKind::Open | EventKind::Close, _) => &self.load_later(step, contact),
+                (_, delay) => delay.map_or(&never, |delay| &delay.later),
             };
             changes.extend(self.changed_memory(contact, &passage, memory, later));
+            let (Some(own), Some(first)) = (own, first) else {
+                continue;
+            };
+            if own.contact == first.contact {
+                continue;
+            }
+            // Its own part of the jump has its own delay.
+            let load = data.load.series(step.clock()).at(step.duration())
+                + data.displacement_load(|j| event.state.displacements[j]);
+            let (law, mode) = (self.law(contact), step.modes()[contact]);
+            let jump = law.jump(mode, event.kind, load * data.compliance, memory);
+            let apart = &own.later - &first.later;
+            for (row, change) in &mut changes {
+                let part = row.checked_sub(n).map_or(0.0, |j| data.response(j));
+                if part != 0.0 {
+                    *change += &apart * (part * jump);
+                }
+            }
         }
         changes
     }

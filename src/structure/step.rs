@@ -48,9 +48,9 @@ pub(crate) struct EventData {
     pub(crate) forced: Vec<usize>,
     /// v' just after, if a contact that shares coordinates has an event.
     pub(crate) rates: Vec<f64>,
-    /// The condition that determines the time of events of contacts that share coordinates; none at
-    /// a jump of a drive.
-    pub(crate) trigger: Option<Trigger>,
+    /// The conditions that determine the times of events of contacts that share coordinates; none
+    /// at a jump of a drive.
+    pub(crate) triggers: Vec<Trigger>,
     /// Elastic contacts that came to their limit there, and on which side: their sliders start, or
     /// the load has jumped below what they carried.
     pub(crate) limited: Vec<(usize, Direction)>,
@@ -66,11 +66,19 @@ pub(crate) enum Trigger {
     Bound(usize, Direction, f64),
 }
 
+impl Trigger {
+    pub(crate) fn contact(self) -> usize {
+        match self {
+            Self::Rest(contact) | Self::Bound(contact, ..) => contact,
+        }
+    }
+}
+
 impl EventData {
     const NONE: Self = Self {
         forced: Vec::new(),
         rates: Vec::new(),
-        trigger: None,
+        triggers: Vec::new(),
         limited: Vec::new(),
     };
 }

@@ -180,7 +180,7 @@ impl<'s> ContactData<'s> {
 
 impl ContactData<'_> {
     /// (M⁻¹b)_j/G_cc of a shared contact.
-    pub(super) fn response(&self, coordinate: usize) -> f64 {
+    pub(crate) fn response(&self, coordinate: usize) -> f64 {
         entry(self.responses(), coordinate)
     }
 

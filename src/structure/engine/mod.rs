@@ -188,7 +188,7 @@ impl<'s> Engine<'s> {
             ..
         } = self;
         let disturbance = land(model, situation, next, firings, settled);
-        let trigger = trigger(model, situation, next, settled.duration);
+        let triggers = triggers(model, situation, next, settled.duration);
         let half = ends.len();
         situation.add_to(&mut ends, model, next);
         let (at_end, time) = (&mut ends[half..], situation.clock.time);
@@ -207,7 +207,7 @@ impl<'s> Engine<'s> {
             // The step is valid; the error concerns the motion after its end.
             Err(found) => *error = Some(found),
         }
-        let after = self.after(&events, trigger);
+        let after = self.after(&events, triggers);
         let ending = (events, after);
         Ok(Step::new(start, span, modes, (n, ends), series, ending))
     }
@@ -317,7 +317,7 @@ impl<'s> Engine<'s> {
     }
 
     /// Data about the events for the tangent flow.
-    fn after(&self, events: &[Event<State>], trigger: Option<Trigger>) -> EventData {
+    fn after(&self, events: &[Event<State>], triggers: Vec<Trigger>) -> EventData {
         let is_shared = |event: &Event<State>| self.model.is_shared(event.contact);
         let is_forced = |event: &Event<State>| {
             let is_release = matches!(event.kind, EventKind::Release(_));
@@ -342,7 +342,7 @@ impl<'s> Engine<'s> {
         EventData {
             forced: forced.map(|event| event.contact).collect(),
             rates,
-            trigger,
+            triggers,
             limited: limited.collect(),
         }
     }
@@ -438,10 +438,10 @@ impl<'s> Engine<'s> {
     }
 }
 
-/// The first shared contact that came to rest or to a bound of its band at the end of a step of
+/// The shared contacts that came to rest or to a bound of their bands at the end of a step of
 /// length h, of which these are the series.
-fn trigger(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -> Option<Trigger> {
-    model.shared.iter().find_map(|&c| {
+fn triggers(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -> Vec<Trigger> {
+    let trigger = |&c: &usize| {
         let state = &situation.contacts[c];
         match state.edge {
             Edge::On(Some(side), _) => {
@@ -450,5 +450,6 @@ fn trigger(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) ->
             }
             _ => state.has_arrived().then_some(Trigger::Rest(c)),
         }
-    })
+    };
+    model.shared.iter().filter_map(trigger).collect()
 }

@@ -391,6 +391,25 @@ impl<'s> Model<'s> {
     pub(crate) fn is_shared(&self, contact: usize) -> bool {
         matches!(self.contacts[contact].site, Site::Shared { .. })
     }
+
+    /// True for each coordinate that a contact accelerates, directly or through other contacts.
+    pub(crate) fn connected(&self, contact: usize) -> Vec<bool> {
+        let mut reached = vec![false; self.len()];
+        let mut left = self.shared.clone();
+        let mut next = Some(contact);
+        while let Some(contact) = next {
+            for &(j, _) in self.contacts[contact].responses() {
+                reached[j] = true;
+            }
+            left.retain(|&c| c != contact);
+            let touches = |&c: &usize| {
+                let mut responses = self.contacts[c].responses().iter();
+                responses.any(|&(j, _)| reached[j])
+            };
+            next = left.iter().copied().find(touches);
+        }
+        reached
+    }
 }
 
 /// M⁻¹, by the parts that M couples: the inverse of a number is its reciprocal, to the bit.
