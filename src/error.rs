@@ -1,11 +1,13 @@
 use crate::state::structure::State;
 
+mod derivative;
 mod make;
 mod numbers;
 mod reached;
 mod structure;
 mod units;
 
+pub use derivative::NotDifferentiable;
 use numbers::instead;
 pub(crate) use numbers::{Coefficients, Digits, Plain};
 pub use reached::Reached;
@@ -282,17 +284,13 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
-    /// A motion has no derivative with respect to a parameter. Its sequence of events changes with
-    /// every change of the parameter, however small (as at grazing), or the given function returns
-    /// no system for neighbouring values of the parameter.
-    #[error(
-        "no derivative with respect to parameter {parameter}, counted from 0: every change of the \
-         parameter, however small, changes the events of the motion or leaves the family without \
-         a system; choose another value or duration"
-    )]
+    /// A motion has no derivative with respect to a parameter. The error contains the reason.
+    #[error("no derivative with respect to parameter {parameter}, counted from 0: {reason}")]
     NoDerivative {
         /// The number of the parameter, counted from 0.
         parameter: usize,
+        /// The reason.
+        reason: NotDifferentiable,
     },
 
     /// A curve was requested for a change of events that [`orbit::locus`](crate::orbit::locus)

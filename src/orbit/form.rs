@@ -57,6 +57,12 @@ impl<'s> GeneralForm<'s> {
         }
     }
 
+    /// The same, later in a search that has taken so many steps on other systems.
+    pub(super) fn after(self, taken: usize) -> Self {
+        self.taken.set(taken);
+        self
+    }
+
     /// The limit of steps.
     pub(super) fn most(&self) -> usize {
         self.most

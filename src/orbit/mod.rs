@@ -36,7 +36,7 @@
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |
-// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events (`variation.rs`) |
+// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events, in any order if they happen at one instant (`variation.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
 //! Periodic motions of any system ([`MassOnBelt`](crate::MassOnBelt) or
@@ -182,9 +182,13 @@
 //!   but those of other families. The member that a search finds conserves the momentum and the
 //!   like of its start: see [`shoot`].
 //!
-//! The period map has no derivative at grazing, or if several events happen at the same instant.
-//! For simultaneous events the matrix is computed as if they followed one another in the order of
-//! the numbers of their contacts.
+//! The period map has no derivative at grazing. If several contacts have events at the same
+//! instant, it has a derivative if their order does not matter. This holds for elements in
+//! parallel, for a contact that slips because another one sticks, and for masses that stop or slip
+//! at the same instant and are connected by springs only. It does not hold if one event changes the
+//! time of another: for example, a mass that slips pulls on another one by a damper. For
+//! simultaneous events the matrix is computed with the delay of each event in the motion before all
+//! of them. This is the derivative, if there is one.
 //!
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.
@@ -252,3 +256,5 @@ pub use sensitivity::{
 };
 pub use shoot::{settle, shoot};
 pub use sweep::{Change, Sweep, SweepPoint, sweep};
+
+pub use crate::error::NotDifferentiable;

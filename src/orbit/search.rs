@@ -34,6 +34,8 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
 /// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | two to three times the work of the motion alone: for three masses, about 13 s at the limit of 10⁶ steps |
+/// | [`sensitivities`](Self::sensitivities) | about twenty motions for each parameter; some more if events of several contacts happen at the same instant |
+/// | [`orbit_sensitivities`](Self::orbit_sensitivities) | twice as many motions over a period |
 /// | [`locus`](Self::locus) | for each point, three to five steps of Newton's method; each step takes about ten motions with derivatives |
 /// | [`locus`](Self::locus) of grazings, onsets of stops or simultaneous events | the same steps; each takes one motion without derivative for each unknown |
 /// | [`follow`](Self::follow) | at least 65 points over the range, each with one or two motions with derivatives and some without; some tens of motions for each bifurcation; about a hundred motions for each change of the events |
@@ -104,6 +106,9 @@ impl<'w> Search<'w> {
     pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the work of [`locus`](Self::locus) in each direction: 2·10⁷ steps.
     pub const DEFAULT_MAX_LOCUS_STEPS: usize = 20 * MOST_STEPS_OF_A_SEARCH;
+    /// The default bound of the work of [`sensitivities`](Self::sensitivities) and
+    /// [`orbit_sensitivities`](Self::orbit_sensitivities): 10⁷ steps of all motions together.
+    pub const DEFAULT_MAX_SENSITIVITY_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the points of [`follow`](Self::follow) and [`locus`](Self::locus) in
     /// each direction.
     pub const DEFAULT_MAX_POINTS: usize = 2048;
@@ -118,7 +123,9 @@ impl<'w> Search<'w> {
     /// [`LocusEnd::Work`](super::LocusEnd::Work). A search on one system returns
     /// [`Error::TooManySteps`], or, if Newton's method has begun, [`Error::NotPeriodic`].
     ///
-    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
+    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS),
+    /// [`DEFAULT_MAX_SENSITIVITY_STEPS`](Self::DEFAULT_MAX_SENSITIVITY_STEPS) for derivatives with
+    /// respect to parameters, and, in each direction,
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
     /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. In a search on one
     /// system, a single motion over a period may take a tenth of the bound, at least 10⁵ steps, but
@@ -182,6 +189,12 @@ impl<'w> Search<'w> {
     /// The bound of the steps on one system.
     pub(super) fn steps(&self) -> usize {
         self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)
+    }
+
+    /// The bound of the steps of all motions from which derivatives are computed.
+    pub(super) fn of_sensitivities(&self) -> usize {
+        self.max_steps
+            .unwrap_or(Self::DEFAULT_MAX_SENSITIVITY_STEPS)
     }
 
     /// The bounds of a branch in each direction: steps and points.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow::{Break, Continue};
 
 use stick_slip::orbit::{
     BifurcationKind, BranchEnd, Locus, LocusEnd, Orbit, Period, Progress, Search, follow, locus,
-    settle, shoot,
+    sensitivities, settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
@@ -107,6 +107,56 @@ fn a_watcher_stops_a_search_on_one_system() {
         "{found:?}"
     );
     let found = never.follow(driven, 0.78, &motion(), 0.7..0.8).map(drop);
+    assert!(
+        matches!(found, Err(Error::Stopped { steps: 0, .. })),
+        "{found:?}"
+    );
+}
+
+/// All motions of derivatives by parameters count, and the watcher sees their steps.
+#[test]
+fn derivatives_by_parameters_are_bounded_and_watched() {
+    let family = |p: &[f64]| Ok((driven(p[0])?, start()));
+    let system = |p: &[f64]| driven(p[0]);
+    let most = |most: usize| Search::new().with_max_steps(most).unwrap();
+    let seen = Cell::new(0);
+    let watched = Search::new().watched(|progress| {
+        assert!(progress.steps >= seen.get() && progress.value <= 404.0);
+        seen.set(progress.steps);
+        Continue(())
+    });
+    let whole = watched.sensitivities(family, &[0.78], 400.0).unwrap();
+    let same = sensitivities(family, &[0.78], 400.0).unwrap();
+    assert_eq!(whole.at(400.0), same.at(400.0));
+    assert!(seen.get() >= 2000);
+    let orbit = motion();
+    for limit in [1, 100, seen.get()] {
+        let found = most(limit).sensitivities(family, &[0.78], 400.0);
+        let of_orbit = most(limit.min(100)).orbit_sensitivities(system, &[0.78], &orbit);
+        for (found, limit) in [
+            (found.map(drop), limit),
+            (of_orbit.map(drop), limit.min(100)),
+        ] {
+            let Err(Error::TooManySteps { limit: met, .. }) = found else {
+                panic!("{found:?}")
+            };
+            assert_eq!(met, limit);
+        }
+    }
+    let stopped = Search::new().watched(|progress| {
+        if progress.steps < 1000 {
+            Continue(())
+        } else {
+            Break(())
+        }
+    });
+    let found = stopped.sensitivities(family, &[0.78], 400.0).map(drop);
+    let Err(Error::Stopped { parameter, .. }) = found else {
+        panic!("{found:?}")
+    };
+    assert_eq!(parameter, "time");
+    let never = Search::new().watched(|_| Break(()));
+    let found = never.orbit_sensitivities(system, &[0.78], &orbit).map(drop);
     assert!(
         matches!(found, Err(Error::Stopped { steps: 0, .. })),
         "{found:?}"

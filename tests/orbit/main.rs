@@ -26,6 +26,7 @@ mod loci;
 mod long_run;
 mod measures;
 mod opening;
+mod random_sensitivities;
 mod ranges;
 mod references;
 mod seam;

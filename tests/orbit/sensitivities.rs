@@ -3,7 +3,9 @@
 
 use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::DMatrix;
-use stick_slip::orbit::{Oscillator, Period, orbit_sensitivities, sensitivities, settle, shoot};
+use stick_slip::orbit::{
+    NotDifferentiable, Oscillator, Period, orbit_sensitivities, sensitivities, settle, shoot,
+};
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Drive, Error, EventKind, Exponential, MassOnBelt, Mode, Polynomial, Structure,
@@ -259,7 +261,14 @@ fn parameters_without_a_derivative_are_named() {
         }
     };
     let error = sensitivities(only_there, &[0.1, 0.1], 9.0).unwrap_err();
-    assert_eq!(error, Error::NoDerivative { parameter: 1 });
+    let reason = NotDifferentiable::NoMotion(Box::new(Error::NotFree));
+    assert_eq!(
+        error,
+        Error::NoDerivative {
+            parameter: 1,
+            reason
+        }
+    );
     // An orbit of another system.
     let system = |p: &[f64]| Ok(family(&[p[0], 0.0])?.0);
     let start = State::new(&[0.5], &[0.3]);
@@ -272,4 +281,201 @@ fn parameters_without_a_derivative_are_named() {
     );
     let error = orbit_sensitivities(system, &[0.1], &orbit).unwrap_err();
     assert!(matches!(error, Error::NotPeriodic { .. }), "{error}");
+}
+
+/// Central differences of a state at several increments, which agree.
+#[track_caller]
+fn assert_slope(found: f64, of: impl Fn(f64) -> f64, at: f64) {
+    for part in [1e-4, 1e-5, 1e-6] {
+        let h = part * at.abs().max(1.0);
+        let slope = (of(at + h) - of(at - h)) / (2.0 * h);
+        // The error of the difference is of second order, and rounding errors are some 1e-15.
+        let error = (found - slope).abs();
+        assert!(
+            error < 1e3 * h * h * (1.0 + slope.abs()) + 1e-13 / h,
+            "{found} {slope} at {h:e}"
+        );
+    }
+}
+
+/// Elements in parallel on one mass stick together at each turn.
+#[test]
+fn elements_in_parallel_have_events_at_one_instant() {
+    let family = |p: &[f64]| {
+        let joint = Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?;
+        let structure = Structure::new(&[1.0])?
+            .with_ground_spring(0, p[0])?
+            .with_force(0, Drive::harmonic(1.0, 0.8, -std::f64::consts::FRAC_PI_2)?)?
+            .with_contacts(joint.in_parallel(&[(5.0, 0.25), (2.0, 0.75)])?)?;
+        Ok((structure, State::at_rest(1)))
+    };
+    let found = sensitivities(family, &[1.0], 8.0).unwrap();
+    let events = found.events();
+    let same = events
+        .windows(2)
+        .filter(|pair| pair[0].time == pair[1].time);
+    assert!(same.count() > 0);
+    let slope = found.at(8.0).unwrap()[(0, 0)];
+    let end = |k: f64| {
+        let (structure, start) = family(&[k]).unwrap();
+        let motion = structure.simulate(start, 8.0).unwrap();
+        motion.last().displacements[0]
+    };
+    assert_slope(slope, end, 1.0);
+    assert_abs_diff_eq!(slope, 3.898047511, epsilon = 1e-9);
+
+    // Their periodic motion, with a damper.
+    let damped = |p: &[f64]| family(p)?.0.with_ground_damper(0, 0.1);
+    let orbit = |k: f64| {
+        let structure = damped(&[k]).unwrap();
+        settle(&structure, &State::at_rest(1), 200.0, Period::Driven(1)).unwrap()
+    };
+    let found = orbit_sensitivities(damped, &[1.0], &orbit(1.0)).unwrap();
+    let time = found.motion.times()[0];
+    let there = |k: f64| {
+        let motion = damped(&[k]).unwrap().simulate(orbit(k).state(), time);
+        motion.unwrap().last().displacements[0]
+    };
+    assert_slope(found.motion.at(time).unwrap()[(0, 0)], there, 1.0);
+}
+
+/// Equal blocks stop together, and blocks of nearly equal speeds nearly so.
+#[test]
+fn blocks_that_stop_together_have_their_closed_form() {
+    let family = |p: &[f64]| {
+        let mut blocks = Structure::new(&[2.0, 2.0])?;
+        for i in 0..2 {
+            let contact = Contact::new(i, Coulomb::new(p[0], p[0])?, 2.0 * 9.81)?;
+            blocks = blocks.with_contact(contact)?;
+        }
+        Ok((blocks, State::new(&[0.0, 0.0], &[p[1], p[2]])))
+    };
+    for apart in [0.0, 1e-13, 1e-9, -1e-9, 1e-5] {
+        let [mu, speed] = [0.3, 1.5];
+        let parameters = [mu, speed, speed + apart];
+        let found = sensitivities(family, &parameters, 1.0).unwrap();
+        let slopes = found.at(1.0).unwrap();
+        for (i, own) in [speed, speed + apart].into_iter().enumerate() {
+            // v²/(2μg).
+            let by_mu = -own * own / (2.0 * mu * mu * 9.81);
+            let by_speed = own / (mu * 9.81);
+            assert_abs_diff_eq!(slopes[(i, 0)], by_mu, epsilon = 1e-9);
+            assert_abs_diff_eq!(slopes[(i, 1 + i)], by_speed, epsilon = 1e-9);
+            assert_abs_diff_eq!(slopes[(i, 2 - i)], 0.0, epsilon = 1e-9);
+        }
+        for event in found.events() {
+            let expected = |j: usize| match j {
+                0 => -speed / (mu * mu * 9.81),
+                j if j == 1 + event.contact => 1.0 / (mu * 9.81),
+                _ => 0.0,
+            };
+            for (j, slope) in event.by_parameters.iter().enumerate() {
+                assert_abs_diff_eq!(*slope, expected(j), epsilon = 1e-4);
+            }
+        }
+    }
+}
+
+/// A mass that a belt catches releases the joint beside it: the first example of `structure`.
+#[test]
+fn an_event_that_causes_another_has_a_derivative() {
+    let family = |p: &[f64]| {
+        let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.3)?, 1.0)?.on_belt(0.2);
+        let joint = Contact::between(0, 1, Coulomb::new(0.3, 0.2)?, 0.5)?;
+        let blocks = Structure::new(&[1.0, 1.0])?
+            .with_ground_spring(0, p[0])?
+            .with_ground_damper(0, 0.1)?
+            .with_spring(0, 1, 1.2)?
+            .with_force(1, Drive::harmonic(0.5, 0.8, 0.0)?)?
+            .with_contact(belt)?
+            .with_contact(joint)?;
+        Ok((blocks, State::at_rest(2)))
+    };
+    let found = sensitivities(family, &[1.0], 1.0).unwrap();
+    let [stick, release, ..] = &found.events()[..] else {
+        panic!()
+    };
+    assert_eq!(stick.time, release.time);
+    assert_eq!(stick.by_parameters, release.by_parameters);
+    let slopes = found.at(1.0).unwrap();
+    for i in 0..2 {
+        let end = |k: f64| {
+            let (structure, start) = family(&[k]).unwrap();
+            let motion = structure.simulate(start, 1.0).unwrap();
+            motion.last().displacements[i]
+        };
+        assert_slope(slopes[(i, 0)], end, 1.0);
+    }
+    assert_abs_diff_eq!(slopes[(1, 0)], -0.0021709, epsilon = 5e-8);
+}
+
+/// Two masses are released together from a belt, and friction falls by 0.2. A damper between them
+/// makes the second one slip sooner once the first one slips: with R' = kv alone 5 units of time
+/// per unit of displacement, else with R' = kv + 0.2c.
+#[test]
+fn events_that_hasten_each_other_have_no_derivative() {
+    let family = |damping: f64| {
+        move |p: &[f64]| {
+            let mut masses = Structure::new(&[1.0, 1.0])?.with_damper(0, 1, damping)?;
+            for i in 0..2 {
+                let contact = Contact::new(i, Coulomb::new(0.5, 0.3)?, 1.0)?.on_belt(0.2);
+                masses = masses.with_ground_spring(i, 1.0)?.with_contact(contact)?;
+            }
+            Ok((masses, State::new(&[p[0] + p[1], p[0]], &[0.2, 0.2])))
+        }
+    };
+    let error = sensitivities(family(0.5), &[0.0, 0.0], 3.0).unwrap_err();
+    let Error::NoDerivative { parameter, reason } = &error else {
+        panic!("{error}")
+    };
+    assert_eq!(*parameter, 1);
+    let NotDifferentiable::Order { time } = reason else {
+        panic!("{reason}")
+    };
+    assert_abs_diff_eq!(*time, 2.5, epsilon = 1e-14);
+    // On each side, the second release is 1/(0.2 + 0.1) later per unit of displacement.
+    for (side, first, second) in [(1.0, 0, 1), (-1.0, 1, 0)] {
+        let h = 1e-6 * side;
+        let (masses, start) = family(0.5)(&[0.0, h]).unwrap();
+        let motion = masses.simulate(start, 3.0).unwrap();
+        let [a, b, ..] = motion.events() else {
+            panic!()
+        };
+        assert_eq!([a.contact, b.contact], [first, second]);
+        assert_abs_diff_eq!((b.time - a.time) / 1e-6, 1.0 / 0.3, epsilon = 1e-4);
+    }
+    // If both are displaced, there is a derivative; and without the damper.
+    let both = |p: &[f64]| family(0.5)(&[p[0], 0.0]);
+    let found = sensitivities(both, &[0.0], 3.0).unwrap();
+    for event in &found.events()[..2] {
+        assert_abs_diff_eq!(event.by_parameters[0], -5.0, epsilon = 1e-9);
+    }
+    let found = sensitivities(family(0.0), &[0.0, 0.0], 3.0).unwrap();
+    for (event, expected) in found.events()[..2].iter().zip([-5.0, 0.0]) {
+        assert_abs_diff_eq!(event.by_parameters[1], expected, epsilon = 1e-9);
+    }
+}
+
+/// A velocity of a mass that sticks at the start is gone after no time; the mass has moved by its
+/// square.
+#[test]
+fn a_velocity_at_rest_has_the_derivative_of_the_motion_after_it() {
+    let family = |p: &[f64]| {
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.0)?;
+        let mass = Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_force(0, Drive::profile(&[(0.0, 0.0), (4.0, 1.0)])?)?
+            .with_contact(contact)?;
+        Ok((mass, State::new(&[p[1]], &[p[0]])))
+    };
+    let found = sensitivities(family, &[0.0, 0.1], 3.5).unwrap();
+    let slopes = found.at(3.5).unwrap();
+    assert_abs_diff_eq!(slopes[(0, 0)], 0.0, epsilon = 1e-8);
+    assert_abs_diff_eq!(slopes[(1, 0)], 0.0, epsilon = 1e-8);
+    // Released when t/4 − q = 0.5.
+    let [release] = &found.events()[..] else {
+        panic!()
+    };
+    assert_abs_diff_eq!(release.by_parameters[0], 0.0, epsilon = 1e-8);
+    assert_abs_diff_eq!(release.by_parameters[1], 4.0, epsilon = 1e-9);
 }

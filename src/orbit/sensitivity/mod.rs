@@ -3,15 +3,21 @@
 
 mod variation;
 
+use std::cell::{Cell, RefCell};
+
 use nalgebra::{DMatrix, DVector};
 
 use self::variation::{Run, Variation};
+use super::form::GeneralForm;
 use super::map::SINGULAR;
 use super::map::{PeriodMap, longest_pause, period_map, state, vector};
-use super::oscillator::Oscillator;
+use super::oscillator::{FamilyMember, Oscillator, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
+use super::search::{Search, Watched};
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::NotDifferentiable;
 use crate::motion::{Event, EventKind, Segment};
 use crate::numerics::least_norm::least_norm;
 use crate::state::structure::State;
@@ -36,7 +42,8 @@ pub struct EventSensitivity {
     /// The kind of event.
     pub kind: EventKind,
     /// The derivative ∂t/∂p of the time with respect to each parameter p, in units of time per unit
-    /// of the parameter.
+    /// of the parameter. NaN if only the states have a derivative: another contact has an event at
+    /// the same instant, and the time of this event depends on which of them happens first.
     pub by_parameters: Vec<f64>,
 }
 
@@ -75,14 +82,16 @@ impl Sensitivities {
     /// lies outside the motion or is NaN.
     ///
     /// The derivative is taken at a fixed time. The derivative of a velocity jumps at an event; at
-    /// the time of the event the result is the derivative just before the jump.
+    /// the time of the event the result is the derivative just before the jump. If several contacts
+    /// have events at this instant, it is the derivative just before the first of them.
     pub fn at(&self, time: f64) -> Option<DMatrix<f64>> {
         if !(self.begin..=self.here.end).contains(&time) {
             return None;
         }
-        let passed = self.here.passed(time);
-        let columns = self.variations.iter();
-        let columns = columns.map(|by| by.derivative(|run| run.vector_at(passed, time)));
+        let columns = self.variations.iter().map(|by| {
+            let passed = by.passed(&self.here, time);
+            by.derivative(|run| run.vector_at(passed, time))
+        });
         let columns: Vec<DVector<f64>> = columns.collect::<Option<_>>()?;
         if columns.is_empty() {
             return Some(DMatrix::zeros(self.order, 0));
@@ -98,9 +107,11 @@ impl Sensitivities {
                 let time = run.events.get(number)?.time;
                 Some(DVector::from_element(1, time))
             };
-            let slopes = self.variations.iter();
-            let slopes = slopes.map(|by| by.derivative(time).map_or(f64::NAN, |slope| slope[0]));
-            slopes.collect()
+            let slope = |by: &Variation| {
+                let found = (!by.timeless.contains(&number)).then(|| by.derivative(time));
+                found.flatten().map_or(f64::NAN, |slope| slope[0])
+            };
+            self.variations.iter().map(slope).collect()
         };
         let event = |(number, event): (usize, &Event<State>)| EventSensitivity {
             time: event.time,
@@ -111,17 +122,24 @@ impl Sensitivities {
         events.map(event).collect()
     }
 
-    fn of(parameters: &[f64], begin: f64, order: usize, run: &Runs<'_>) -> Result<Self, Error> {
+    fn of(
+        parameters: &[f64],
+        begin: f64,
+        order: usize,
+        (run, work): (&Runs<'_>, &Work<'_>),
+    ) -> Result<Self, Error> {
         let here = run(parameters, 0)?;
-        let count = here.events.len();
-        let variations = (0..parameters.len()).map(|number| {
+        // Each contact that sticks at the start may come to rest there in a neighbouring motion.
+        let count = here.events.len() + here.sticking();
+        let variations = (0..parameters.len()).map(|parameter| {
             let beside = |change: f64| {
                 let mut parameters = parameters.to_vec();
-                parameters[number] += change;
+                parameters[parameter] += change;
                 run(&parameters, count)
             };
-            let found = Variation::of(&here, parameters[number], &beside);
-            found.ok_or(Error::NoDerivative { parameter: number })
+            let found = Variation::of(&here, parameters[parameter], &beside);
+            work.check()?;
+            found.map_err(|reason| Error::NoDerivative { parameter, reason })
         });
         Ok(Self {
             variations: variations.collect::<Result<_, _>>()?,
@@ -129,6 +147,49 @@ impl Sensitivities {
             begin,
             order,
         })
+    }
+}
+
+/// The work of all motions of one search.
+struct Work<'w> {
+    most: usize,
+    watched: Watched<'w>,
+    taken: Cell<usize>,
+    /// The error of the motion that has reached the bound.
+    ended: RefCell<Option<Error>>,
+}
+
+impl<'w> Work<'w> {
+    fn new(search: &'w Search<'_>) -> Self {
+        Self {
+            most: search.of_sensitivities(),
+            watched: search.watch("time"),
+            taken: Cell::new(0),
+            ended: RefCell::new(None),
+        }
+    }
+
+    /// What a function finds on one system, whose steps are counted.
+    fn with<T>(
+        &self,
+        form: GeneralForm<'_>,
+        find: impl FnOnce(&GeneralForm<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let form = form
+            .within(self.most, &self.watched)
+            .after(self.taken.get());
+        let found = find(&form);
+        self.taken.set(form.taken());
+        if let (Err(error), true) = (&found, form.taken() >= self.most) {
+            self.ended.borrow_mut().get_or_insert(error.clone());
+        }
+        found
+    }
+
+    /// The error if the bound is reached, or if the search was stopped.
+    fn check(&self) -> Result<(), Error> {
+        self.watched.check()?;
+        self.ended.borrow().clone().map_or(Ok(()), Err)
     }
 }
 
@@ -150,15 +211,26 @@ impl Sensitivities {
 /// all reference motions of the tests. The difference is one-sided if the family returns an error
 /// on one side of the parameter, or if the motion has other events there.
 ///
-/// The work is about twenty motions for each parameter.
+/// Several contacts may have events at the same instant: elements in parallel, symmetric masses,
+/// or a contact that slips because another one sticks. In neighbouring motions these events happen
+/// at the same instant, too, or one after another. If their order changes with the sign of the
+/// increment, the derivatives of both sides are computed. The derivative exists if they agree (to
+/// about 1e-7 of the largest derivative of displacements, of velocities and of memory variables),
+/// and is their mean. The derivative with respect to the velocity of a mass that sticks at the
+/// start is that of the motion after the mass has come to rest.
+///
+/// The work is about twenty motions for each parameter. [`Search::sensitivities`] takes a bound of
+/// the work, and a watcher.
 ///
 /// # Errors
 ///
 /// * [`Error::InvalidDuration`] unless the duration is positive and finite;
 /// * [`Error::InvalidParameter`] unless all parameters are finite;
-/// * [`Error::NoDerivative`], with the number of the parameter, if even the smallest increments of
-///   this parameter change the sequence of events (as at grazing), or if the family returns an
-///   error for them;
+/// * [`Error::NoDerivative`], with the number of the parameter and the reason
+///   ([`NotDifferentiable`]): the motion has other events on both sides of the parameter, however
+///   small the increment (as at grazing); the derivatives of both sides differ because events at
+///   the same instant follow in another order; or the family returns an error on both sides;
+/// * [`Error::TooManySteps`] after 10⁷ steps of all motions;
 /// * the errors of the family, and those of [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
@@ -196,21 +268,7 @@ pub fn sensitivities<S: Oscillator>(
     parameters: &[f64],
     duration: f64,
 ) -> Result<Sensitivities, Error> {
-    if !(duration > 0.0 && duration.is_finite()) {
-        return Err(Error::InvalidDuration { value: duration });
-    }
-    check(parameters)?;
-    let run = |parameters: &[f64], expected: usize| {
-        let (system, start) = family(parameters)?;
-        Run::of(
-            &system.form(),
-            (0.0, &S::general(&start)),
-            duration,
-            expected,
-        )
-    };
-    let order = family(parameters)?.0.form().order();
-    Sensitivities::of(parameters, 0.0, order, &run)
+    Search::new().sensitivities(family, parameters, duration)
 }
 
 /// A periodic motion of a family of systems, with its derivatives with respect to all parameters:
@@ -258,12 +316,72 @@ pub fn orbit_sensitivities<S: Oscillator>(
     parameters: &[f64],
     orbit: &Orbit<S>,
 ) -> Result<OrbitSensitivities, Error> {
+    Search::new().orbit_sensitivities(family, parameters, orbit)
+}
+
+impl Search<'_> {
+    /// Calls the function [`sensitivities`] with the bound and the watcher of this search. The
+    /// progress shows the time of the motion that is being computed.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`sensitivities`]; [`Error::Stopped`] if the watcher stops the search.
+    pub fn sensitivities<S: Oscillator>(
+        &self,
+        family: impl Fn(&[f64]) -> Result<(S, S::State), Error>,
+        parameters: &[f64],
+        duration: f64,
+    ) -> Result<Sensitivities, Error> {
+        if !(duration > 0.0 && duration.is_finite()) {
+            return Err(Error::InvalidDuration { value: duration });
+        }
+        check(parameters)?;
+        let work = Work::new(self);
+        let run = |parameters: &[f64], expected: usize| {
+            let (system, start) = family(parameters)?;
+            let start = S::general(&start);
+            work.with(system.form(), |form| {
+                Run::of(form, (0.0, &start), duration, expected)
+            })
+        };
+        let order = family(parameters)?.0.form().order();
+        Sensitivities::of(parameters, 0.0, order, (&run, &work))
+    }
+
+    /// Calls the function [`orbit_sensitivities`] with the bound and the watcher of this search.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`orbit_sensitivities`]; [`Error::Stopped`] if the watcher stops the search.
+    pub fn orbit_sensitivities<S: Oscillator>(
+        &self,
+        family: impl Fn(&[f64]) -> Result<S, Error>,
+        parameters: &[f64],
+        orbit: &Orbit<S>,
+    ) -> Result<OrbitSensitivities, Error> {
+        let family = |parameters: &[f64]| member(family(parameters));
+        let (start, kind) = (S::general(&orbit.state()), orbit.kind());
+        of_orbit(self, &family, parameters, (&start, orbit.period(), kind))
+    }
+}
+
+/// The systems of a family for values of its parameters.
+type Members<'f> = dyn Fn(&[f64]) -> Result<Box<dyn FamilyMember + 'f>, Error> + 'f;
+
+fn of_orbit(
+    search: &Search<'_>,
+    family: &Members<'_>,
+    parameters: &[f64],
+    (start_of_orbit, period, kind): (&State, f64, Period),
+) -> Result<OrbitSensitivities, Error> {
     check(parameters)?;
+    let work = Work::new(search);
     let system = family(parameters)?;
-    let form = system.form();
-    let (order, n, period) = (form.order(), form.len(), orbit.period());
-    let is_free = matches!(orbit.kind(), Period::Free(_));
-    let whole = form.period_map(&S::general(&orbit.state()), period)?;
+    let (order, n) = (system.form().order(), system.form().len());
+    let is_free = matches!(kind, Period::Free(_));
+    let whole = work.with(system.form(), |form| {
+        form.period_map(start_of_orbit, period)
+    })?;
     if !whole.is_nearly_closed() {
         return Err(Error::NotPeriodic {
             residual: whole.miss(),
@@ -287,35 +405,37 @@ pub fn orbit_sensitivities<S: Oscillator>(
     // A motion of the family, from a start that follows the parameters.
     let run = |slopes: &DMatrix<f64>, to: &[f64], expected: usize| {
         let system = family(to)?;
-        let form = system.form();
-        let duration = match orbit.kind() {
-            Period::Free(_) => period,
-            driven @ Period::Driven(_) => driven.duration(form.rhythm())?,
-        };
-        let begin = if is_free { 0.0 } else { phase * duration };
-        let changes = std::iter::zip(to, parameters).map(|(to, from)| to - from);
-        let changes = DVector::from_iterator(to.len(), changes);
-        let mut start = state(&(&start + slopes * changes), n);
-        form.put_in_modes(&mut start, begin, &|c| Some(step.modes()[c]));
-        Run::of(&form, (begin, &start), duration, expected)
+        work.with(system.form(), |form| {
+            let duration = match kind {
+                Period::Free(_) => period,
+                driven @ Period::Driven(_) => driven.duration(form.rhythm())?,
+            };
+            let begin = if is_free { 0.0 } else { phase * duration };
+            let changes = std::iter::zip(to, parameters).map(|(to, from)| to - from);
+            let changes = DVector::from_iterator(to.len(), changes);
+            let mut start = state(&(&start + slopes * changes), n);
+            form.put_in_modes(&mut start, begin, &|c| Some(step.modes()[c]));
+            Run::of(form, (begin, &start), duration, expected)
+        })
     };
     let mut slopes = DMatrix::zeros(order, parameters.len());
-    let fixed = Sensitivities::of(parameters, base, order, &|to, expected| {
-        run(&slopes, to, expected)
+    let of = |slopes: &DMatrix<f64>| {
+        let run = |to: &[f64], expected: usize| run(slopes, to, expected);
+        Sensitivities::of(parameters, base, order, (&run, &work))
+    };
+    let fixed = of(&slopes)?;
+    let map = work.with(system.form(), |form| {
+        period_map(form, base, &fixed.here.start, period)
     })?;
-    let map = period_map(&form, base, &fixed.here.start, period)?;
     let periods = fixed.close(&map, is_free, &mut slopes);
     let periods = periods.ok_or_else(|| Error::NotPeriodic {
         residual: map.miss(),
         period,
         start: map.start.clone(),
     })?;
-    let motion = Sensitivities::of(parameters, base, order, &|to, expected| {
-        run(&slopes, to, expected)
-    })?;
     Ok(OrbitSensitivities {
         period: periods,
-        motion,
+        motion: of(&slopes)?,
     })
 }
 
