@@ -191,17 +191,21 @@
 //!   acceleration of the surface, t the time and ε = 2.2e-16. For a mass on a belt of constant
 //!   velocity the bound is 4ε(|v| + |v_b|). Stick or slip is then decided by the forces. A state
 //!   cannot tell slower slip from stick: a start with v = v_b(1 + 2e-16) sticks if static friction
-//!   can hold it.
+//!   can hold it:
+//!   `structures::restarts::one_mass_goes_on_from_any_of_its_states_in_any_unit`.
 //! * **Memory.** At r = 0 the memory of a start is that in stick. A motion that starts in stick
-//!   with a dwell clock θ in its memory continues this clock.
+//!   with a dwell clock θ in its memory continues this clock:
+//!   `structures::restarts::a_locked_clutch_stays_locked`.
 //! * **Events.** The state of an event has the memory before the event, and is decided as the event
 //!   was. [`state_at`](crate::Trajectory::state_at) the time of the event returns the memory after
 //!   it. If several contacts with dwell clocks are at rest at one event, start at the state of the
-//!   event: their common decision depends on clocks that the event sets to 0.
+//!   event: their common decision depends on clocks that the event sets to 0:
+//!   `structures::restarts::a_returned_state_is_a_start_of_the_same_motion`,
+//!   `structures::restarts::a_state_where_a_load_jumps_is_a_start`.
 //! * **Directions.** A contact whose law never sticks (bristles) has a direction of slip also while
 //!   another contact holds its r at 0. No state contains this direction, and a start takes it as
 //!   [`Leading`](crate::Direction::Leading); only a `Crossing` where the other contact is released
-//!   depends on it.
+//!   depends on it: `structures::restarts::a_returned_state_is_a_start_of_the_same_motion`.
 //!
 //! # Completeness
 //!
