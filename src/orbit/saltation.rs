@@ -20,8 +20,8 @@
 //! changes v' of all these coordinates, and perhaps the modes of the others, at the time at which
 //! that contact reached its limit. v' just after the event is that of the next step.
 //!
-//! If several contacts reach their limits at one instant, each has its own δt, computed from δx₋ and
-//! f₋ before all of these events. This is the derivative if no event changes ∇h·δx or ∇h·f of
+//! If several contacts reach their limits at one instant, each has its own δt, computed from δx₋
+//! and f₋ before all of these events. This is the derivative if no event changes ∇h·δx or ∇h·f of
 //! another one; otherwise the motion has other derivatives on each side.
 
 use nalgebra::{DMatrix, RowDVector};
