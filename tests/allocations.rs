@@ -192,12 +192,14 @@ fn a_structure_allocates_the_steps_alone() {
         let made = CALLS.get();
         let copy = std::hint::black_box(step.clone());
         let (made, copied) = (made - before, CALLS.get() - made);
-        // What happens at an event is compared with the state there, which is made for that.
+        // What happens at an event is compared with the state there, which is made for that. The
+        // modes after it are lists that the next steps share.
+        const MODES: usize = 6;
         if copy.events().is_empty() {
             assert_eq!(made, copied);
         } else {
             assert!(
-                made <= 2 * copied,
+                made <= 2 * copied + MODES,
                 "{made} and {copied}: {:?}",
                 copy.events()
             );
