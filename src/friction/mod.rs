@@ -71,6 +71,15 @@ pub trait LawVisitor {
 
     /// Calls the function.
     fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output;
+
+    /// The same for a law that is seldom used: less code, which takes longer.
+    #[inline(always)]
+    fn visit_seldom<L: FrictionLaw>(self, law: &L) -> Self::Output
+    where
+        Self: Sized,
+    {
+        self.visit(law)
+    }
 }
 
 /// Order of the highest derivative that is computed.

@@ -122,4 +122,10 @@ impl<V: LawVisitor> LawVisitor for Scaling<V> {
     fn visit<L: FrictionLaw>(self, law: &L) -> V::Output {
         self.visitor.visit(&Scaled::of(law, self.velocity_unit))
     }
+
+    #[inline(always)]
+    fn visit_seldom<L: FrictionLaw>(self, law: &L) -> V::Output {
+        self.visitor
+            .visit_seldom(&Scaled::of(law, self.velocity_unit))
+    }
 }

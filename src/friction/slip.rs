@@ -272,6 +272,22 @@ impl LawVisitor for Expansion<'_> {
         } = self;
         expander.expand_one(piece, equation, from, time, known)
     }
+
+    fn visit_seldom<L: FrictionLaw>(self, law: &L) -> Self::Output {
+        let piece = Piece {
+            law,
+            index: self.piece,
+        };
+        let Self {
+            expander,
+            equation,
+            from,
+            time,
+            known,
+            ..
+        } = self;
+        expander.expand_by::<_, false>(piece, equation, from, time, known)
+    }
 }
 
 #[cfg(test)]

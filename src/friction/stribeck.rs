@@ -1,5 +1,5 @@
 use super::check::check_static;
-use super::{AnyLaw, FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef, LawVisitor};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -139,26 +139,16 @@ impl Stribeck {
     }
 }
 
-impl FrictionLaw for Stribeck {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-
+impl Stribeck {
     #[inline(always)]
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+    fn with_exponent<S: Scalar>(&self, exponent: i32, speed: S) -> S {
         let ratio = speed * self.rate;
-        let fall = match self.exponent {
+        let fall = match exponent {
             1 => (-ratio).exp(),
             2 => (-ratio.square()).exp(),
-            n => {
-                // For a large δ, (s/v_s)^δ overflows, and 0·∞ would give no slope.
-                let power = ratio.value().powi(n as i32);
-                if power > UNDERFLOW {
-                    speed.constant(0.0)
-                } else {
-                    (-ratio.powi(n as i32)).exp()
-                }
-            }
+            // For a large δ, (s/v_s)^δ overflows, and 0·∞ would give no slope.
+            n if ratio.value().powi(n) > UNDERFLOW => speed.constant(0.0),
+            n => (-ratio.powi(n)).exp(),
         };
         let falling =
             fall * (self.static_coefficient - self.coulomb_coefficient) + self.coulomb_coefficient;
@@ -166,6 +156,44 @@ impl FrictionLaw for Stribeck {
             falling
         } else {
             falling + speed * self.viscous_coefficient
+        }
+    }
+}
+
+/// The law with an exponent that the compiler knows.
+struct WithExponent<'l, const EXPONENT: i32>(&'l Stribeck);
+
+impl<const EXPONENT: i32> FrictionLaw for WithExponent<'_, EXPONENT> {
+    fn static_coefficient(&self) -> f64 {
+        self.0.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.0.with_exponent(EXPONENT, speed)
+    }
+}
+
+impl FrictionLaw for Stribeck {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.with_exponent(self.exponent as i32, speed)
+    }
+
+    /// The series of usual exponents are compiled for each; one code for all exponents would take
+    /// longer to compile than all other laws together.
+    #[inline(always)]
+    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+        match self.exponent {
+            1 => visitor.visit(&WithExponent::<1>(self)),
+            2 => visitor.visit(&WithExponent::<2>(self)),
+            3 => visitor.visit(&WithExponent::<3>(self)),
+            4 => visitor.visit(&WithExponent::<4>(self)),
+            _ => visitor.visit_seldom(self),
         }
     }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::friction::{Exponential, Polynomial, Rational};
+use crate::friction::{Exponential, Polynomial, Rational, Stribeck};
 use crate::scalar::Scalar;
 use crate::state::Direction;
 
@@ -90,6 +90,58 @@ fn the_bits_of_a_series_do_not_depend_on_how_its_code_was_compiled() {
         let expected = if is_unrolled { unrolled } else { jets };
         assert_eq!(bits(&dispatched), bits(&expected));
     });
+}
+
+/// Usual exponents of the Stribeck law are unrolled, each in code of its own; others are not.
+#[test]
+fn exponents_of_the_stribeck_law_give_the_series_of_jets() {
+    let equation = Equation {
+        stiffness: 1.25,
+        damping: 0.1,
+        load: 1.0,
+        belt: -0.2,
+        pull: 0.0,
+        drift: 0.0,
+    };
+    for exponent in 1..=6 {
+        let law = Stribeck::new(0.4, 0.25, 0.3, exponent).unwrap();
+        let law = law.with_viscous_coefficient(0.02).unwrap();
+        for speed in [0.0, 0.2, 1.0, 5.0] {
+            let from = SlipPoint {
+                direction: Direction::Lagging,
+                displacement: 0.3,
+                speed,
+                rate: None,
+            };
+            let [mut given, mut jets] = [used(), used()];
+            let (time, known) = (Time::Forward, Known::Nothing);
+            law.give_to(Expansion {
+                expander: &mut given,
+                piece: 0,
+                equation: &equation,
+                from: &from,
+                time,
+                known,
+            })
+            .unwrap();
+            let piece = Piece {
+                law: &law,
+                index: 0,
+            };
+            jets.expand_by::<_, false>(piece, &equation, &from, time, known)
+                .unwrap();
+            let [given, jets] = [given, jets].map(|expander| expander.series);
+            if exponent > 4 {
+                assert_eq!(bits(&given), bits(&jets));
+            }
+            let mut size = 0.0_f64;
+            for (k, c) in jets.speed.coefficients().iter().enumerate().take(TERMS - 1) {
+                size = (2.0 * size).max(c.abs());
+                let apart = (c - given.speed[k]).abs();
+                assert!(apart <= 1e-13 * size, "{exponent}, {speed}, {k}: {apart:e}");
+            }
+        }
+    }
 }
 
 #[test]
