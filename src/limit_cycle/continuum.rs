@@ -1,11 +1,9 @@
 //! Families of periodic motions: if friction and damping transfer no net energy, every motion is
 //! periodic.
 
-use super::peaks::PeakMap;
 #[cfg(feature = "serde")]
 use super::written;
 use crate::belt::Forward;
-use crate::error::Error;
 use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_constant_on};
 
 /// A continuous family of periodic motions, one for each amplitude in a range.
@@ -63,22 +61,6 @@ pub(super) fn flat_amplitude(system: &Forward<'_>) -> f64 {
         }
     }
     amplitude
-}
-
-/// Returns true if every motion in slip is periodic: the system [`is_flat`], and no motion grows or
-/// shrinks.
-pub(super) fn is_continuum(peaks: &mut PeakMap<'_, '_>) -> Result<bool, Error> {
-    let system = peaks.system();
-    if !is_flat(&system) {
-        return Ok(false);
-    }
-    for part in [0.9, 0.1, 0.7, 0.3, 0.5] {
-        if !peaks.growth(part * system.belt_velocity())?.vanishes() {
-            return Ok(false);
-        }
-    }
-    // The largest motion meets the lowest speeds, at which alone friction may vary.
-    Ok(peaks.overshoot()? == 0.0)
 }
 
 /// Returns true if there is no friction at all.

@@ -2,7 +2,7 @@
 //! of a belt at rest, of no friction and of a continuum.
 
 use super::arc::Tracer;
-use super::continuum::{Continuum, flat_amplitude, is_continuum, is_flat, is_frictionless};
+use super::continuum::{Continuum, flat_amplitude, is_flat, is_frictionless};
 use super::crossings::CrossingMap;
 use super::cycle::{CycleKind, LimitCycle};
 use super::peaks::{PeakMap, SMALLEST_PEAK};
@@ -150,7 +150,7 @@ pub(super) fn nested_cycles(
 fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Error> {
     let system = tracer.system();
     let mut peaks = PeakMap::of(tracer);
-    if is_continuum(&mut peaks)? {
+    if peaks.is_continuum()? {
         if is_frictionless(system.law()) {
             set.continuum = Some(Continuum::WITHOUT_FRICTION);
             return Ok(false);

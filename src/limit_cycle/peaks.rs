@@ -3,7 +3,7 @@
 
 use super::arc::{Arc, Arrival, Tracer};
 use super::averaged;
-use super::continuum::is_continuum;
+use super::continuum::is_flat;
 use super::growth::{self, relative_growth};
 use crate::belt::Forward;
 use crate::clock::Time;
@@ -87,6 +87,22 @@ impl<'t, 's> PeakMap<'t, 's> {
         growth::overshoot(self.tracer, &turn)
     }
 
+    /// Returns true if every motion in slip is periodic: the system [`is_flat`], and no motion grows
+    /// or shrinks.
+    pub(super) fn is_continuum(&mut self) -> Result<bool, Error> {
+        let system = self.system();
+        if !is_flat(&system) {
+            return Ok(false);
+        }
+        for part in [0.9, 0.1, 0.7, 0.3, 0.5] {
+            if !self.growth(part * system.belt_velocity())?.vanishes() {
+                return Ok(false);
+            }
+        }
+        // The largest motion meets the lowest speeds, at which alone friction may vary.
+        Ok(self.overshoot()? == 0.0)
+    }
+
     /// The range of velocity maxima that is searched, from the smallest to the largest.
     fn range(&mut self) -> Result<Option<[Sample; 2]>, Error> {
         let v_b = self.system().belt_velocity();
@@ -149,7 +165,7 @@ impl<'t, 's> PeakMap<'t, 's> {
     /// The growth over one period at nine peak velocities from one end of their range to the other.
     /// Empty if every motion in slip meets the belt, if none returns, or if every one is periodic.
     pub(crate) fn survey(&mut self) -> Result<Vec<Sample>, Error> {
-        if is_continuum(self)? {
+        if self.is_continuum()? {
             return Ok(Vec::new());
         }
         let Some([smallest, largest]) = self.range()? else {

@@ -202,7 +202,7 @@ fn friction_is_flat_if_nothing_varies_at_the_belt_velocity() {
 #[test]
 fn motions_fill_a_disc_only_if_friction_varies_nowhere_in_it() {
     let is_continuum =
-        |system: &System| traced(system, |tracer| is_continuum(&mut PeakMap::of(tracer)));
+        |system: &System| traced(system, |tracer| PeakMap::of(tracer).is_continuum());
     for v_b in [0.01, 0.5, 40.0] {
         let flat = circles(0.4, 0.25, v_b);
         assert!(is_continuum(&flat));
