@@ -1,7 +1,7 @@
 //! The two sides of a change of events, and their approach to it.
 
-use super::changes::CurvePoint;
 use super::curve::FINE;
+use super::local_curve::CurvePoint;
 use super::sequence::{Nearness, Sequence};
 
 /// The points on the two sides that are known to be nearest to a change of events.

@@ -4,8 +4,9 @@
 
 use nalgebra::DVector;
 
-use super::changes::{CurvePoint, FoundBifurcation, LocalCurve};
+use super::changes::FoundBifurcation;
 use super::curve::Solved;
+use super::local_curve::{CurvePoint, LocalCurve};
 use super::sequence::Sequence;
 use super::trial::TrialMotion;
 

@@ -642,6 +642,10 @@ pub(super) struct TurningPoint {
     pub(super) modes: Vec<Mode>,
 }
 
+/// The phase condition of an autonomous motion is re-anchored once the acceleration there is this
+/// part of that at the sharpest turning point.
+pub(super) const BLUNT: f64 = 0.3;
+
 /// The sharpest turning point of an autonomous motion.
 pub(super) fn sharpest(map: &PeriodMap) -> Option<TurningPoint> {
     let n = map.start.displacements.len();

@@ -2,7 +2,8 @@
 //! afterwards they differ. Or they differ by a slip that no other slip takes back.
 
 use super::branch::BranchEnd;
-use super::changes::{JUMP, LocalCurve};
+use super::changes::JUMP;
+use super::local_curve::LocalCurve;
 use super::map::PeriodMap;
 use super::unslipped::slips_one_way;
 use crate::motion::{EventKind, Segment};

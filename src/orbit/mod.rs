@@ -18,21 +18,23 @@
 // | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
 // | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
 // | `periodic_orbit.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
-// | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
+// | `measures.rs` | the extremes, means and energies of an `Orbit`, from its steps |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |
 // | `branch.rs` | `Branch`: the result of `follow` |
 // | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
+// | `local_curve.rs` | the curve near one of its points |
 // | `walk.rs` | steps along the curve, and its ends |
 // | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
 // | `approach.rs` | the two sides of a change of events, brought together in few motions |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
-// | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
+// | `half_map.rs` | symmetric motions: the map over half a period |
+// | `pitchfork.rs` | pitchforks of symmetric motions |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
 // | `hold.rs` | motions with a contact held past a touch, which are smooth there |
 // | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
 // | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
-// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), the motions (`motions.rs`) and their starts (`start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
+// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`) and their starts (`frozen_start.rs`, set by `start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |
@@ -202,11 +204,13 @@ mod curve;
 mod family;
 mod follow;
 mod form;
+mod half_map;
 mod hold;
 mod hopf;
 mod jump;
 mod lanes;
 mod linear;
+mod local_curve;
 mod locus;
 mod lyapunov;
 mod map;
@@ -216,6 +220,7 @@ mod oscillator;
 mod passage;
 mod period;
 mod periodic_orbit;
+mod pitchfork;
 mod ranges;
 mod saltation;
 mod search;
@@ -227,7 +232,6 @@ mod spectrum;
 mod springs;
 mod sweep;
 mod switch;
-mod symmetry;
 mod tangent;
 mod translation;
 mod trial;

@@ -4,15 +4,15 @@
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, BranchPoint};
-use super::changes::LocalCurve;
 use super::curve::{Curve, Solved};
 use super::follow::anchor;
+use super::half_map::HalfMap;
+use super::local_curve::LocalCurve;
 use super::map::vector;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::search::Search;
-use super::symmetry::HalfMap;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::belt::Criticality;

@@ -3,9 +3,10 @@
 use nalgebra::DVector;
 
 use super::branch::{BifurcationKind, BranchEnd};
-use super::changes::{CurvePoint, FoundBifurcation, LocalCurve, Signs};
-use super::curve::{Curve, Solved, sharpest};
+use super::changes::{FoundBifurcation, Signs};
+use super::curve::{BLUNT, Curve, Solved, sharpest};
 use super::jump::LARGE;
+use super::local_curve::{CurvePoint, LocalCurve};
 use super::locus::end::tangential_end;
 use super::spectrum::hopf_point;
 use crate::error::Error;
@@ -49,10 +50,6 @@ const STILL: f64 = 1e-9;
 
 /// More Newton steps than this keep the next step along the curve from growing.
 const MANY_STEPS: usize = 5;
-
-/// The phase condition of an autonomous motion is re-anchored once the acceleration there is this
-/// part of that at the sharpest turning point.
-pub(super) const BLUNT: f64 = 0.3;
 
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];

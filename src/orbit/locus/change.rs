@@ -7,13 +7,12 @@ use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, minimum_behind, speeds};
 use super::super::map::PeriodMap;
 use super::super::trial::TrialMotion;
-use super::events::margin;
 use super::found::LocusKind;
-use super::start::{FrozenStart, Mark};
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::numerics::sort::sort_by;
 use crate::state::Direction;
 use crate::state::structure::State;
+use crate::structure::Step;
 
 /// A change of the events of a motion.
 #[derive(Debug, Clone)]
@@ -27,13 +26,13 @@ pub(super) struct Change {
 
 impl Change {
     /// Returns true if the motion does not already hold or watch this change.
-    pub(super) fn is_other(&self, begin: &FrozenStart) -> bool {
+    pub(super) fn is_other(&self, holds: &[Hold], marks: &[Mark]) -> bool {
         let of_holds = self.holds.iter().all(|hold| {
-            let mut known = begin.holds.iter();
+            let mut known = holds.iter();
             !known.any(|known| known.contact == hold.contact && near(known.since, hold.since))
         });
         let of_marks = self.marks.iter().all(|mark| {
-            let mut known = begin.marks.iter();
+            let mut known = marks.iter();
             !known.any(|known| known.contact == mark.contact && near(known.since, mark.since))
         });
         of_holds && of_marks
@@ -66,6 +65,69 @@ impl Change {
             _ => None,
         }
     }
+}
+
+/// An event that is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mark {
+    pub(super) contact: usize,
+    /// Its kind; `None` for an arrival, which may become a stop or a crossing.
+    pub(super) kind: Option<EventKind>,
+    /// The approximate time since the start of the motion, and the largest distance from this time.
+    pub(super) since: f64,
+    pub(super) within: f64,
+}
+
+impl Mark {
+    fn is(&self, event: &Event<State>) -> bool {
+        let kind = match self.kind {
+            Some(kind) => event.kind == kind,
+            None => matches!(event.kind, EventKind::Stick | EventKind::Crossing(_)),
+        };
+        event.contact == self.contact && kind
+    }
+
+    /// Its event among those of a motion, with the step at whose end it is.
+    pub(super) fn find<'s>(&self, steps: &'s [Step]) -> Option<(&'s Step, &'s Event<State>, f64)> {
+        let begins = steps.first()?.start_time();
+        let events = steps
+            .iter()
+            .flat_map(|step| step.events().iter().map(move |event| (step, event)));
+        let found = events.filter_map(|(step, event)| {
+            let since = event.time - begins;
+            let away = (since - self.since).abs();
+            (self.is(event) && away <= self.within).then_some((step, event, since))
+        });
+        let away = |since: f64| (since - self.since).abs();
+        found.min_by(|a, b| away(a.2).total_cmp(&away(b.2)))
+    }
+
+    /// Returns true if an event is this one, or one of a stop there that lasts no longer than
+    /// rounding.
+    pub(super) fn covers(&self, event: &Event<State>, begins: f64, period: f64) -> bool {
+        const LASTS: f64 = 1e-6;
+        let near = (event.time - begins - self.since).abs() <= LASTS * period;
+        near && event.contact == self.contact && (self.kind.is_none() || self.is(event))
+    }
+}
+
+/// The margin of a crossing above the static limit, in units of friction: about −σR/(N μ_s) − 1. It
+/// is negative for a stop.
+pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
+    let Some(Mode::Slip(side)) = step.modes().get(event.contact) else {
+        return None;
+    };
+    form.model.owner_of(event.contact)?;
+    let contact = &form.model.contacts[event.contact];
+    let memory = &event.state.memory[form.model.memory(event.contact)];
+    let (kinetic, limit) = contact.coefficients_at_rest(*side, memory);
+    let limit = limit?;
+    let h = step.duration();
+    let load = contact.load.series(step.clock()).at(h)
+        + contact.displacement_load(|j| event.state.displacements[j]);
+    let friction = load * contact.compliance * (kinetic + limit);
+    let rate = speeds(form, step, event.contact, *side).slope_at(h);
+    (friction > 0.0).then(|| -rate / friction - 1.0)
 }
 
 /// Returns true if two times are the same to rounding.

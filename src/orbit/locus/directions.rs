@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::CurveOfMotions;
 use super::change::{Change, sequence, touch};
+use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusEnd, SpecialKind};
 use crate::error::Error;
 use crate::numerics::least_norm::least_norm_by_rows;
@@ -43,7 +43,8 @@ fn meets<'f, E: CurveOfMotions<'f>>(
     let (trial, begin) = E::motion(&last.value);
     let found = motions.with(motions.parameters(&last.y), |form| {
         let (map, period) = (&trial.map, trial.period);
-        let is_near = |change: &Change| change.is_other(begin) && change.size <= NEAR;
+        let is_near =
+            |change: &Change| change.is_other(&begin.holds, &begin.marks) && change.size <= NEAR;
         let touch = touch(form, map, period, Some(false)).filter(is_near);
         let change = touch.or_else(|| sequence(form, map, period).filter(is_near));
         Ok(change.and_then(|change| Some((curve.kind_with(form, trial, &change)?, change))))

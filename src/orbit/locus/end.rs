@@ -8,8 +8,8 @@ use super::super::curve::{Curve, Solved};
 use super::super::trial::TrialMotion;
 use super::change::touch;
 use super::events::EventCurve;
+use super::frozen_start::FrozenStart;
 use super::motions::Motions;
-use super::start::FrozenStart;
 use crate::numerics::trace::{self, Equations, Plane};
 
 /// The parameter at which an arrival of a motion becomes tangential, after which a contact sticks,

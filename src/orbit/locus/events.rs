@@ -16,19 +16,18 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::super::form::GeneralForm;
-use super::super::hold::{Hold, Then, Touch, speeds};
+use super::super::hold::{Hold, Then, Touch};
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
-use super::CurveOfMotions;
-use super::change::Change;
+use super::change::{Change, margin};
+use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusKind, SpecialKind};
+use super::frozen_start::FrozenStart;
 use super::motions::Motions;
-use super::start::{FrozenStart, Mark};
 use crate::error::Error;
-use crate::motion::{Event, EventKind, Mode, Segment};
+use crate::motion::{EventKind, Segment};
 use crate::numerics::trace::{Equations, Point};
-use crate::state::structure::State;
 use crate::structure::Step;
 
 /// Curves of changes of events.
@@ -68,58 +67,6 @@ struct Seen {
 /// nonlinear near another change of events; Newton's method needs no more steps with short
 /// increments.
 const PARTS: [f64; 2] = [1e-7, 1e-9];
-
-/// The margin of a crossing above the static limit, in units of friction: about −σR/(N μ_s) − 1. It
-/// is negative for a stop.
-pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
-    let Some(Mode::Slip(side)) = step.modes().get(event.contact) else {
-        return None;
-    };
-    form.model.owner_of(event.contact)?;
-    let contact = &form.model.contacts[event.contact];
-    let memory = &event.state.memory[form.model.memory(event.contact)];
-    let (kinetic, limit) = contact.coefficients_at_rest(*side, memory);
-    let limit = limit?;
-    let h = step.duration();
-    let load = contact.load.series(step.clock()).at(h)
-        + contact.displacement_load(|j| event.state.displacements[j]);
-    let friction = load * contact.compliance * (kinetic + limit);
-    let rate = speeds(form, step, event.contact, *side).slope_at(h);
-    (friction > 0.0).then(|| -rate / friction - 1.0)
-}
-
-impl Mark {
-    fn is(&self, event: &Event<State>) -> bool {
-        let kind = match self.kind {
-            Some(kind) => event.kind == kind,
-            None => matches!(event.kind, EventKind::Stick | EventKind::Crossing(_)),
-        };
-        event.contact == self.contact && kind
-    }
-
-    /// Its event among those of a motion, with the step at whose end it is.
-    pub(super) fn find<'s>(&self, steps: &'s [Step]) -> Option<(&'s Step, &'s Event<State>, f64)> {
-        let begins = steps.first()?.start_time();
-        let events = steps
-            .iter()
-            .flat_map(|step| step.events().iter().map(move |event| (step, event)));
-        let found = events.filter_map(|(step, event)| {
-            let since = event.time - begins;
-            let away = (since - self.since).abs();
-            (self.is(event) && away <= self.within).then_some((step, event, since))
-        });
-        let away = |since: f64| (since - self.since).abs();
-        found.min_by(|a, b| away(a.2).total_cmp(&away(b.2)))
-    }
-
-    /// Returns true if an event is this one, or one of a stop there that lasts no longer than
-    /// rounding.
-    fn covers(&self, event: &Event<State>, begins: f64, period: f64) -> bool {
-        const LASTS: f64 = 1e-6;
-        let near = (event.time - begins - self.since).abs() <= LASTS * period;
-        near && event.contact == self.contact && (self.kind.is_none() || self.is(event))
-    }
-}
 
 impl EventCurve<'_> {
     fn unknowns(&self) -> usize {

@@ -2,10 +2,12 @@
 
 mod bordered;
 mod change;
+mod curve_of_motions;
 mod directions;
 pub(super) mod end;
 mod events;
 pub(super) mod found;
+mod frozen_start;
 mod motions;
 mod smooth;
 mod special;
@@ -17,14 +19,14 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use self::change::{Change, arrivals, sequence, touch};
+use self::curve_of_motions::CurveOfMotions;
 use self::directions::{both_ways, first_point};
 use self::events::EventCurve;
-use self::found::{Locus, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
+use self::found::{Locus, LocusKind, LocusPoint, SpecialPoint};
+use self::frozen_start::FrozenStart;
 use self::motions::Motions;
 use self::smooth::{Smooth, SmoothCurve};
-use self::start::FrozenStart;
 use super::branch::{Bifurcation, BifurcationKind};
-use super::form::GeneralForm;
 use super::hold::Touch;
 use super::map::vector;
 use super::oscillator::{Oscillator, SystemsOfTwo, member};
@@ -34,7 +36,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::EventKind;
-use crate::numerics::trace::{Equations, Point, check_ranges};
+use crate::numerics::trace::{Point, check_ranges};
 
 /// The curve through a bifurcation, in two parameters of the system.
 ///
@@ -394,29 +396,4 @@ fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
         special: special.collect::<Result<_, Error>>()?,
         ends,
     })
-}
-
-/// The equations of a curve of motions.
-trait CurveOfMotions<'f>: Equations {
-    fn motions(&self) -> &Motions<'f>;
-
-    /// The motion of a value, and where it begins.
-    fn motion(value: &Self::Value) -> (&TrialMotion, &FrozenStart);
-
-    /// The kind of special point at a zero of a test.
-    fn special(&self, test: usize, point: &Point<Self::Value>) -> Option<SpecialKind>;
-
-    /// Returns true if the events of the motion are others just behind a point.
-    fn jumps_behind(&self, point: &Point<Self::Value>) -> bool;
-
-    /// The value with another change of events held.
-    fn holding(&self, value: &Self::Value, change: &Change) -> Self::Value;
-
-    /// The kind of special point at which another change of events happens.
-    fn kind_with(
-        &self,
-        form: &GeneralForm<'_>,
-        trial: &TrialMotion,
-        change: &Change,
-    ) -> Option<SpecialKind>;
 }

@@ -9,15 +9,15 @@ use std::cell::Cell;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::form::GeneralForm;
+use super::super::half_map::{Balance, HalfMap};
 use super::super::map::{PeriodMap, held_period_map, state};
 use super::super::oscillator::FamilyOfTwo;
 use super::super::passage::{StepsAndTouches, held_steps};
 use super::super::period::Period;
 use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::super::sequence::Sequence;
-use super::super::symmetry::{Balance, HalfMap};
 use super::super::trial::TrialMotion;
-use super::start::{FrozenStart, Section};
+use super::frozen_start::{FrozenStart, Section};
 use crate::error::Error;
 use crate::motion::{EventKind, Segment};
 use crate::state::structure::State;

@@ -21,12 +21,12 @@ use super::super::hold::{Hold, Then};
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
-use super::CurveOfMotions;
 use super::bordered::Bordered;
 use super::change::Change;
+use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusKind, SpecialKind};
+use super::frozen_start::{FrozenStart, Section};
 use super::motions::{Motions, events_of};
-use super::start::{FrozenStart, Section};
 use crate::error::Error;
 use crate::numerics::trace::{Equations, Point};
 

@@ -1,14 +1,12 @@
-//! Motions of symmetric systems: the half-period map, and pitchforks.
+//! Motions of symmetric systems, and of those that take twice their own period: the half-period
+//! map.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::changes::{CurvePoint, LocalCurve};
-use super::curve::solution;
 use super::form::GeneralForm;
 use super::map::SINGULAR;
-use super::map::{CLOSED, PeriodMap, state, vector};
+use super::map::{PeriodMap, vector};
 use crate::drive::Drive;
-use crate::numerics::bracket::Bracket;
 use crate::numerics::least_norm::least_norm;
 
 /// The map G over half of a period, of which a motion is a fixed point: G(x) = S P(x) + c with
@@ -34,9 +32,6 @@ const PLACES: usize = 12;
 
 /// Largest violation of a symmetry, in units of the sizes.
 const SYMMETRIC: f64 = 1e-7;
-
-/// Limit of Newton steps; three or four are usual.
-const MOST_STEPS: usize = 12;
 
 /// Tolerance for a direction that the half-period map inverts.
 const INVERTED: f64 = 1e-4;
@@ -129,7 +124,7 @@ impl HalfMap {
 }
 
 /// G' + 1, in units of the sizes.
-fn inverting(image: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64> {
+pub(super) fn inverting(image: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64> {
     image.in_units(sizes) + DMatrix::identity(image.order(), image.order())
 }
 
@@ -158,110 +153,4 @@ impl Balance {
         }
         Self { stiffness, forces }
     }
-}
-
-impl LocalCurve<'_, '_> {
-    /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one.
-    ///
-    /// At a pitchfork the equations of `follow` are singular, but those of the half-period map G
-    /// are not: a symmetric motion is a fixed point of G, and det(G' + 1) changes its sign at a
-    /// pitchfork.
-    pub(super) fn pitchfork(&self, from: &CurvePoint, to: &CurvePoint) -> Option<CurvePoint> {
-        let ends = [from, to].map(|place| {
-            let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
-            let symmetric = HalfMap::of_symmetric(map, period);
-            let y = &place.solved.y;
-            let balance = self
-                .curve
-                .with(y, |form, period| Ok(Balance::of(form, period)));
-            let held = (symmetric?, balance.ok()?);
-            let motion = self.symmetric(&held, y, from)?;
-            Some((self.curve.parameter(y), motion, held))
-        });
-        let [Some(mut low), Some(mut high)] = ends else {
-            return None;
-        };
-        if low.0 > high.0 {
-            std::mem::swap(&mut low, &mut high);
-        }
-        let values = [&low, &high].map(|end| (end.0, end.1.determinant));
-        if !(values[0].0 < values[1].0 && values[0].1 * values[1].1 < 0.0) {
-            return None;
-        }
-        let mut bracket = Bracket::new(values[0], values[1]);
-        let mut best = low.1.clone();
-        while let Some(parameter) = bracket.next_place() {
-            let part = (parameter - low.0) / (high.0 - low.0);
-            let mut guess = &low.1.y * (1.0 - part) + &high.1.y * part;
-            guess[self.curve.unknowns() - 1] = parameter;
-            best = self.symmetric(&low.2, &guess, from)?;
-            bracket.narrow(parameter, best.determinant);
-            if best.determinant == 0.0 {
-                break;
-            }
-        }
-        let curve = self.curve;
-        let start = state(&best.y.rows(0, curve.order).into_owned(), curve.n);
-        let solved = curve
-            .guess(&start, best.period, curve.parameter(&best.y))
-            .ok()?;
-        let moved = self.scaled(&solved) - self.scaled(self.base);
-        Some(CurvePoint {
-            distance: self.base.tangent.dot(&moved),
-            solved,
-        })
-    }
-
-    /// The symmetric motion at the parameter of a guess, from the half-period map of another
-    /// symmetric motion and the forces that determine its centre.
-    fn symmetric(
-        &self,
-        (half_map, balance): &(HalfMap, Balance),
-        guess: &DVector<f64>,
-        near: &CurvePoint,
-    ) -> Option<Symmetric> {
-        let (curve, mut y) = (self.curve, guess.clone());
-        let (order, modes) = (curve.order, near.solved.trial.map.end_modes());
-        let own = curve.unknowns() - 1;
-        let mut before = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let (half, period) = curve.motion(&y, modes, 0.5).ok()?;
-            let here = curve.with(&y, |form, period| Ok(Balance::of(form, period)));
-            let image = half_map.moved(balance, &here.ok()?)?.applied(half);
-            y.rows_mut(0, order).copy_from(&vector(&image.start, order));
-            let sizes = image.sizes();
-            let (mut matrix, right) = image.closing(&sizes, own);
-            if let Some(turning) = &curve.turning {
-                let late = image.flow[1].component_div(&sizes) * period;
-                matrix.view_mut((0, order), (order, 1)).copy_from(&late);
-                let unit = sizes[curve.n + turning.coordinate];
-                for (j, factor) in turning.entries(curve.n) {
-                    matrix[(order, j)] = factor * (sizes[j] / unit);
-                }
-            }
-            let change = solution(&matrix, &right)?;
-            let size = change.amax();
-            if size <= f64::EPSILON || (size <= CLOSED.sqrt() && size >= 0.5 * before) {
-                return Some(Symmetric {
-                    determinant: inverting(&image, &sizes).determinant(),
-                    period,
-                    y,
-                });
-            }
-            before = size;
-            for (i, change) in change.iter().enumerate() {
-                y[i] += change * if i < order { sizes[i] } else { period };
-            }
-        }
-        None
-    }
-}
-
-/// A symmetric motion: a point of the curve.
-#[derive(Clone)]
-struct Symmetric {
-    y: DVector<f64>,
-    period: f64,
-    /// det(G' + 1).
-    determinant: f64,
 }
