@@ -2,10 +2,11 @@
 //! velocities. Its equation is that of a mass on a belt under given forces, so its series is
 //! computed by the same code.
 
-use super::ALL;
+use super::contact_series::StepMode;
+use super::coordinate_series::{ALL, CoordinateSeries, Role};
 use super::edge::side_of;
 use super::model::Model;
-use super::series::{CoordinateSeries, Role, Series, StepMode};
+use super::series::Series;
 use crate::clock::Time;
 use crate::friction::slip::{Equation, Expansion, Known, SlipPoint};
 use crate::series::{INTEGRAL, PowerSeries};

@@ -1,8 +1,8 @@
 //! One order of a contact: its load, its law, and its memory.
 
 use super::contact::ContactData;
-use super::series::{ContactSeries, CoordinateSeries, StepMode};
-use super::slow::correction;
+use super::contact_series::{ContactSeries, StepMode, correction};
+use super::coordinate_series::CoordinateSeries;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::MemoryOrder;
 use crate::scalar::mul_add;

@@ -2,9 +2,10 @@
 //! coefficients.
 
 use super::contact::ContactData;
+use super::contact_series::ContactSeries;
 use super::model::Model;
 use super::plan::Plan;
-use super::series::{ContactSeries, Series};
+use super::series::Series;
 use super::slow::relaxation;
 use super::state::{ContactState, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};

@@ -1,7 +1,7 @@
 //! Contacts on the edge of their stick band, or at load 0: the coefficients that are known to be 0
 //! there, and the side to which the contact leaves the edge.
 
-use super::series::ContactSeries;
+use super::contact_series::ContactSeries;
 use crate::series::PowerSeries;
 use crate::state::Direction;
 

@@ -1,10 +1,11 @@
 //! Events that end a step: the first times at which sliding speeds, stick bands and loads reach 0,
 //! and the list of the events there.
 
+use super::contact_series::ContactSeries;
 use super::edge::Edge;
 use super::model::Model;
 use super::plan::Plan;
-use super::series::{ContactSeries, Series};
+use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{EventDistance, PowerSeries, TooCurved};

@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
-use super::ALL;
 use super::alone::{expand_alone, slips_alone};
+use super::contact_series::{ContactSeries, StepMode};
+use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
 use super::groups::Waves;
 use super::model::{Model, Target};
-use super::series::{ContactSeries, CoordinateSeries, DisplacementSeries, Role, Series, StepMode};
+use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};

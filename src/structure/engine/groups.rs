@@ -24,10 +24,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::ALL;
+use super::contact_series::{ContactSeries, StepMode, correction};
+use super::coordinate_series::{ALL, DisplacementSeries};
 use super::model::Model;
-use super::series::{ContactSeries, DisplacementSeries, StepMode};
-use super::slow::correction;
 use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
 use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, plus, times};

@@ -11,7 +11,7 @@
 //! |---|---|
 //! | `model.rs`, `sparse.rs` | data that are constant in a motion |
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
-//! | `series.rs` | the data of one step |
+//! | `series.rs` | the data of one step; those of a coordinate `coordinate_series.rs`, of a contact `contact_series.rs` |
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
 //! | `groups.rs` | those of contacts under constant loads, four side by side |
@@ -33,6 +33,8 @@ mod alone;
 mod check_start;
 pub(crate) mod contact;
 mod contact_orders;
+mod contact_series;
+mod coordinate_series;
 mod coupling;
 mod decision;
 mod defect;
@@ -77,7 +79,7 @@ use crate::error::Error;
 use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
-use crate::series::{PowerSeries, TERMS, quarters};
+use crate::series::{PowerSeries, quarters};
 use crate::state::structure::State;
 
 /// A structure in motion.
@@ -95,9 +97,6 @@ pub(super) struct Engine<'s> {
     /// The error that ends the motion.
     ending: Option<Error>,
 }
-
-/// All orders that a step has.
-const ALL: usize = TERMS - 1;
 
 /// A number that can be halved; in any unit.
 const LONGEST_STEP: f64 = 4294967296.0;

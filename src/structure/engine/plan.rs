@@ -1,7 +1,8 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
+use super::coordinate_series::DisplacementSeries;
 use super::model::Model;
-use super::series::{DisplacementSeries, Series};
+use super::series::Series;
 use super::sizes::{load_terms, terms};
 use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};

@@ -2,10 +2,12 @@
 //! sticking contacts, which are solved for together.
 
 use super::contact::ContactData;
+use super::contact_series::StepMode;
+use super::coordinate_series::CoordinateSeries;
 use super::edge::Edge;
 use super::factor::{Holding, ROUNDING};
 use super::model::Model;
-use super::series::{CoordinateSeries, Series, StepMode};
+use super::series::Series;
 use super::state::{Phase, Situation};
 use crate::series::INTEGRAL;
 

@@ -26,7 +26,7 @@
 //! Near stick z and r vibrate together at √(Nσ0/m) until the vibration has decayed. Both are
 //! followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
 
-use super::ALL;
+use super::coordinate_series::ALL;
 use super::expand::expand;
 use super::model::Model;
 use super::plan::{Control, plan_reach};
@@ -248,20 +248,6 @@ impl Slow<'_, '_> {
         slow.flat_map(|(contact, state)| {
             std::iter::zip(&contact.memories, state.memory.iter().copied())
         })
-    }
-}
-
-/// What a pass adds to coefficient k of a memory that relaxes, from its rate and from coefficients
-/// k and k + 1 of the pass before.
-#[inline(always)]
-pub(super) fn correction(relaxation: f64, k: usize, rate: f64, [own, next]: [f64; 2]) -> f64 {
-    let correction = (rate - (k + 1) as f64 * next) / relaxation;
-    // A correction that consists of rounding errors only would change the later coefficients again
-    // and again.
-    if correction.abs() > 2.0 * f64::EPSILON * own.abs() {
-        correction
-    } else {
-        0.0
     }
 }
 

@@ -14,10 +14,12 @@
 //! decided this mode. Modes are therefore set in ascending order of the deciding derivative.
 
 use super::contact::ContactData;
+use super::contact_series::{ContactSeries, StepMode};
+use super::coordinate_series::CoordinateSeries;
 use super::edge::{EDGE_ROUNDING, Edge, deciding, side_of};
 use super::factor::ROUNDING;
 use super::model::Model;
-use super::series::{ContactSeries, CoordinateSeries, Series, StepMode};
+use super::series::Series;
 use super::sizes::load_terms;
 use super::state::{Entry, Phase, Situation};
 use crate::series::INTEGRAL;

@@ -6,8 +6,8 @@
 //! on the modes of other contacts. It is first assumed to stick; all series are expanded, and the
 //! sign of the first nonzero derivative decides. This is repeated until no mode changes.
 
-use super::ALL;
 use super::contact::ContactData;
+use super::coordinate_series::ALL;
 use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
 use super::expand::{expand, expand_further};

@@ -1,6 +1,7 @@
 use nalgebra::DMatrix;
 
-use super::super::{ALL, Engine};
+use super::super::Engine;
+use super::super::coordinate_series::ALL;
 use super::{
     Model, Series, Situation, StepMode, all_of, expand, shared_order, slips_alone, spring_order,
     start,

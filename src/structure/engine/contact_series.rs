@@ -1,0 +1,112 @@
+//! The power series at one contact in a step.
+
+use super::contact::ContactData;
+use crate::scalar::jet::Tape;
+use crate::series::PowerSeries;
+
+/// The mode of a contact in a step, for its series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum StepMode {
+    Open,
+    Stick,
+    Slip,
+}
+
+/// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
+#[derive(Debug, Clone)]
+pub(super) struct ContactSeries {
+    /// The mode of the contact in the step.
+    pub(super) mode: StepMode,
+    /// σ in slip; 0 in stick, and 1 for one that is open.
+    pub(super) side: f64,
+    /// The piece of the law that holds in slip.
+    pub(super) piece: usize,
+    /// dy/dt at the start, where it is known.
+    pub(super) rate: Option<f64>,
+    /// μ_s at the start.
+    pub(super) limit: f64,
+    /// y.
+    pub(super) speeds: PowerSeries,
+    /// w.
+    pub(super) surface: PowerSeries,
+    /// Σ b_j v_j of an elastic contact, where contacts that stick determine it.
+    pub(super) guided: Option<PowerSeries>,
+    /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
+    /// alone without a drive: the force that stick would need, from order 1 on.
+    pub(super) carried: PowerSeries,
+    /// N μ_s; without terms beyond the first for a constant load and a law without memory.
+    pub(super) bound: PowerSeries,
+    /// N.
+    pub(super) load: PowerSeries,
+    /// Its part that is given in time.
+    pub(super) drive_load: PowerSeries,
+    /// True if N varies.
+    pub(super) load_varies: bool,
+    /// r' at the start of the step without the forces of all shared contacts at r = 0.
+    pub(super) free: f64,
+    /// σμ in slip.
+    pub(super) friction: PowerSeries,
+    /// Its derivative by the sliding speed, at the start of the step.
+    pub(super) slope: f64,
+    /// μ_s, if the law has a memory.
+    pub(super) limits: PowerSeries,
+    pub(super) memories: Vec<PowerSeries>,
+    /// One order of the rates of the memory.
+    pub(super) rates: Vec<f64>,
+    /// D, the rate at which the memory relaxes, if its series is that of the slow manifold;
+    /// otherwise 0.
+    pub(super) relaxation: f64,
+    pub(super) tape: Tape,
+}
+
+impl ContactSeries {
+    /// The series before the first step from a time.
+    pub(super) fn new(contact: &ContactData<'_>, time: f64) -> Self {
+        let load = PowerSeries::of(contact.load.value(time) * contact.compliance);
+        let count = contact.memory.len();
+        Self {
+            mode: StepMode::Open,
+            side: 1.0,
+            piece: 0,
+            rate: None,
+            limit: 0.0,
+            speeds: PowerSeries::ZERO,
+            guided: None,
+            surface: PowerSeries::of(contact.belt_velocity.value(time)),
+            carried: PowerSeries::ZERO,
+            bound: PowerSeries::ZERO,
+            load,
+            drive_load: load,
+            load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
+            free: 0.0,
+            friction: PowerSeries::ZERO,
+            slope: 0.0,
+            limits: PowerSeries::ZERO,
+            memories: vec![PowerSeries::ZERO; count],
+            rates: vec![0.0; count],
+            relaxation: 0.0,
+            tape: Tape::new(),
+        }
+    }
+
+    /// Keeps the memory constant.
+    pub(super) fn hold_memory(&mut self, memory: &[f64]) {
+        for (series, memory) in std::iter::zip(&mut self.memories, memory) {
+            *series = PowerSeries::of(*memory);
+        }
+    }
+}
+
+/// What a pass adds to coefficient k of a memory that relaxes, from its rate and from coefficients
+/// k and k + 1 of the pass before.
+#[inline(always)]
+pub(super) fn correction(relaxation: f64, k: usize, rate: f64, [own, next]: [f64; 2]) -> f64 {
+    let correction = (rate - (k + 1) as f64 * next) / relaxation;
+    // A correction that consists of rounding errors only would change the later coefficients again
+    // and again.
+    if correction.abs() > 2.0 * f64::EPSILON * own.abs() {
+        correction
+    } else {
+        0.0
+    }
+}
