@@ -1,35 +1,7 @@
-//! Pieces of a law, and their power series in the sliding speed.
+//! Power series of a law in the sliding speed.
 
-use super::{FrictionLaw, Values};
+use super::Values;
 use crate::error::Error;
-use crate::scalar::{Function, Scalar, Workspace, expand};
-
-/// One analytic piece of a law, by its number.
-#[derive(Debug)]
-pub(crate) struct Piece<'l, L> {
-    pub(crate) law: &'l L,
-    pub(crate) index: usize,
-}
-
-impl<L> Clone for Piece<'_, L> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<L> Copy for Piece<'_, L> {}
-
-impl<L: FrictionLaw> Function for Piece<'_, L> {
-    #[inline(always)]
-    fn at<S: Scalar>(self, speed: S) -> S {
-        self.law.kinetic_on(self.index, speed)
-    }
-}
-
-/// The piece of a law with these breakpoints that holds speeds just above `speed`.
-pub(crate) fn piece_above(breakpoints: impl Iterator<Item = f64>, speed: f64) -> usize {
-    breakpoints.take_while(|&b| b <= speed).count()
-}
 
 /// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`.
 pub(crate) fn taylor_coefficients<const M: usize>(law: &dyn Values, speed: f64) -> [f64; M] {
@@ -45,13 +17,6 @@ pub(crate) fn taylor_coefficients_on<const M: usize>(
     let mut coefficients = [f64::NAN; M];
     law.expand_on(piece, speed, &mut coefficients);
     coefficients
-}
-
-/// μ̂ and dμ̂/ds on one piece of the law, exact to rounding. Much faster than a longer series,
-/// which counts because averaging and every equilibrium use it.
-pub(crate) fn value_and_slope<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> (f64, f64) {
-    let piece = Piece { law, index: piece };
-    expand(piece, &mut Workspace::<2>::new(), speed, |_, _, _| 1.0)
 }
 
 /// Checks that the law has a finite value and slope at `speed`.

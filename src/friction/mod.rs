@@ -9,7 +9,8 @@
 // | `memory/` | contact laws with memory |
 // | `scaled.rs` | a law given over speeds in metres per second |
 // | `law.rs` | a law as a trait object, for the engines |
-// | `expansion.rs` | a law's pieces, and their power series at one speed |
+// | `piece.rs` | one analytic piece of a law |
+// | `expansion.rs` | power series of a law's pieces at one speed |
 // | `slip.rs` | the power series of a mass that slides on a law |
 // | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 // | `check.rs` | checks of a law before it is used; whether it is constant |
@@ -28,6 +29,7 @@ mod inspect;
 mod iwan;
 mod law;
 pub(crate) mod memory;
+mod piece;
 mod polynomial;
 mod rational;
 #[cfg(feature = "serde")]
@@ -55,11 +57,9 @@ pub(crate) use along::AlongSlope;
 pub(crate) use check::{
     has_no_kinetic_friction, is_constant_near, is_constant_on, static_is_nan, validate,
 };
-pub(crate) use expansion::{
-    Piece, finite_at, piece_above, slope_on, taylor_coefficients, taylor_coefficients_on,
-    value_and_slope,
-};
+pub(crate) use expansion::{finite_at, slope_on, taylor_coefficients, taylor_coefficients_on};
 pub(crate) use law::{Law, Values};
+pub(crate) use piece::{Piece, piece_above, value_and_slope};
 
 use crate::scalar::Scalar;
 
