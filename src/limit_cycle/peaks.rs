@@ -87,8 +87,8 @@ impl<'t, 's> PeakMap<'t, 's> {
         growth::overshoot(self.tracer, &turn)
     }
 
-    /// Returns true if every motion in slip is periodic: the system [`is_flat`], and no motion grows
-    /// or shrinks.
+    /// Returns true if every motion in slip is periodic: the system [`is_flat`], and no motion
+    /// grows or shrinks.
     pub(super) fn is_continuum(&mut self) -> Result<bool, Error> {
         let system = self.system();
         if !is_flat(&system) {

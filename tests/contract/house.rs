@@ -1,7 +1,8 @@
-//! The source keeps its own order: no module knows one above it, imports inside the crate name the
-//! module that owns a thing, and no line is too long to be read beside another.
+//! The source keeps its own order: no module knows one above it, no file knows one that knows it,
+//! imports inside the crate name the module that owns a thing, and no line is too long to be read
+//! beside another.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -169,6 +170,151 @@ fn no_module_knows_one_above_it() {
     for (from, to) in [("belt", "friction"), ("bifurcation", "limit_cycle")] {
         assert!(arrows.contains(&(from.to_owned(), to.to_owned())));
     }
+}
+
+/// The one circle that is wanted: each law of the crate tells which `AnyLaw` it is.
+const ANY_OF_ALL: &str = "friction/any";
+
+/// The single paths of a path with groups: `a::{b, c::{self, D}}` are three.
+fn single(path: &str) -> Vec<String> {
+    let Some((before, group)) = path.split_once('{') else {
+        let path = path.split(" as ").next().unwrap().trim();
+        return vec![path.strip_suffix("::self").unwrap_or(path).to_owned()];
+    };
+    let inner = &group[..group.rfind('}').unwrap()];
+    let mut depth = 0;
+    let parts = inner.split(|c| {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        c == ',' && depth == 0
+    });
+    let parts = parts.map(str::trim).filter(|part| !part.is_empty());
+    let before = before.trim_start();
+    parts
+        .flat_map(|part| single(&format!("{before}{part}")))
+        .collect()
+}
+
+/// The paths that some code imports or names, and those that it re-exports. Texts are left out,
+/// such as the name of a written form in an attribute of `serde`.
+fn paths(code: &str) -> (Vec<String>, Vec<String>) {
+    let without_texts = |line| {
+        str::split(line, '"')
+            .step_by(2)
+            .collect::<Vec<_>>()
+            .join("\"\"")
+    };
+    let code: Vec<String> = code.lines().map(without_texts).collect();
+    let is_of_path = |c: char| c.is_alphanumeric() || "_:".contains(c);
+    let (mut known, mut passed_on) = (Vec::new(), Vec::new());
+    for statement in code.join("\n").split(';') {
+        let mut rest = statement;
+        let imports = statement.rmatch_indices("use ");
+        let mut imports = imports.filter(|&(at, _)| !statement[..at].ends_with(is_of_path));
+        if let Some((at, prefix)) = imports.next() {
+            let before = statement[..at].lines().next_back().unwrap_or_default();
+            let into = match before.trim_start().starts_with("pub") {
+                true => &mut passed_on,
+                false => &mut known,
+            };
+            into.extend(single(&statement[at + prefix.len()..]));
+            rest = &statement[..at];
+        }
+        let words = rest.split(|c| !is_of_path(c));
+        let words = words.map(|word| word.trim_matches(':'));
+        known.extend(words.filter(|word| word.contains("::")).map(str::to_owned));
+    }
+    (known, passed_on)
+}
+
+/// The arrows from each file to those that it knows. A name that a folder re-exports is that of
+/// the file which owns it, and a folder's `mod.rs` does not know what it only re-exports.
+fn arrows(modules: &[(String, String)]) -> BTreeMap<&str, BTreeSet<&str>> {
+    let paths: BTreeMap<&str, _> = modules
+        .iter()
+        .map(|(name, code)| (&name[..], paths(code)))
+        .collect();
+    let module = |name: &str| paths.get_key_value(name).map(|(&name, _)| name);
+    let below = |at: &str, name: &str| match at {
+        "" => name.to_owned(),
+        at => format!("{at}/{name}"),
+    };
+    let owner = |from: &str, path: &str| {
+        let (mut at, mut path) = (from.to_owned(), path.to_owned());
+        // A name may be passed on by several folders.
+        for _ in 0..8 {
+            let is_of_crate = path.starts_with("crate::");
+            let mut names = path.split("::").peekable();
+            let starts_above =
+                names.next_if(|&name| name == "self").is_some() || path.starts_with("super::");
+            if is_of_crate {
+                names.next();
+                at.clear();
+            }
+            while names.next_if(|&name| name == "super").is_some() {
+                at.truncate(at.rfind('/').unwrap_or(0));
+            }
+            let mut is_module = is_of_crate || starts_above;
+            while let Some(inner) = names.peek().and_then(|name| module(&below(&at, name))) {
+                at = inner.to_owned();
+                is_module = true;
+                names.next();
+            }
+            let at_module = module(&at).filter(|_| is_module)?;
+            let Some(name) = names.next() else {
+                return Some(at_module);
+            };
+            let ends = format!("::{name}");
+            let passed_on = &paths[at_module].1;
+            let Some(next) = passed_on.iter().find(|path| path.ends_with(&ends)) else {
+                return Some(at_module);
+            };
+            path = next.clone();
+        }
+        None
+    };
+    let known = modules.iter().map(|(name, _)| {
+        let known = paths[&name[..]].0.iter();
+        let known = known.filter_map(|path| owner(name, path));
+        (&name[..], known.filter(|other| other != name).collect())
+    });
+    known.collect()
+}
+
+/// The files in circles, and what each knows of its own circle.
+fn circles<'m>(
+    arrows: &BTreeMap<&'m str, BTreeSet<&'m str>>,
+) -> BTreeMap<&'m str, BTreeSet<&'m str>> {
+    let leads_to = |from: &'m str, to: &str| {
+        let (mut seen, mut next) = (BTreeSet::from([from]), vec![from]);
+        while let Some(name) = next.pop() {
+            if name == to {
+                return true;
+            }
+            let others = arrows.get(name).into_iter().flatten();
+            next.extend(others.filter(|&&other| seen.insert(other)));
+        }
+        false
+    };
+    let in_circles = arrows.iter().map(|(&name, others)| {
+        let others = others.iter().filter(|&&other| leads_to(other, name));
+        (name, others.copied().collect::<BTreeSet<_>>())
+    });
+    in_circles
+        .filter(|(_, others)| !others.is_empty())
+        .collect()
+}
+
+/// No file knows one that knows it, directly or through others.
+#[test]
+fn no_file_knows_one_that_knows_it() {
+    let modules = modules();
+    let mut arrows = arrows(&modules);
+    assert!(arrows["orbit/walk"].contains("orbit/curve"));
+    assert!(arrows.values().map(BTreeSet::len).sum::<usize>() > 800);
+    let wanted = arrows.remove(ANY_OF_ALL);
+    assert!(wanted.is_some_and(|laws| laws.contains("friction/coulomb")));
+    let found = circles(&arrows);
+    assert!(found.is_empty(), "circles of files: {found:#?}");
 }
 
 #[test]
@@ -352,4 +498,59 @@ fn the_guards_see_what_they_shall() {
     assert_eq!(above_root(&code, 2), ["scaling"]);
     assert_eq!(above_root(&code, 1), [""; 0]);
     assert!(floor("state") < floor("belt") && floor("belt") < floor("bifurcation"));
+}
+
+#[test]
+fn the_guard_sees_circles() {
+    assert_eq!(
+        single("super::{a, b::{self, C as D}, E}"),
+        ["super::a", "super::b", "super::b::C", "super::E"]
+    );
+    let found = |files: &[(&str, &str)]| -> Vec<String> {
+        let owned = files
+            .iter()
+            .map(|&(name, code)| (name.to_owned(), code.to_owned()));
+        let files: Vec<_> = owned.collect();
+        circles(&arrows(&files))
+            .into_keys()
+            .map(str::to_owned)
+            .collect()
+    };
+    let nothing = [""; 0];
+    let folder = ("a", "mod b;\nmod c;\npub(crate) use b::B;\npub struct A;");
+    let b = (
+        "a/b",
+        "use crate::{d, a::c::{self, C}};\nuse super::A;\nfn f() {}",
+    );
+    // Through the name that the folder re-exports; by its module; in an expression.
+    let closing = [
+        "use super::B;",
+        "pub struct C;\nuse crate::a::b;",
+        "fn g() { super::b::f(); }",
+    ];
+    for code in closing {
+        assert_eq!(
+            found(&[folder, b, ("a/c", code), ("d", "")]),
+            ["a/b", "a/c"],
+            "{code}"
+        );
+    }
+    assert_eq!(
+        found(&[folder, b, ("a/c", "use super::A;"), ("d", "")]),
+        nothing
+    );
+    assert_eq!(
+        found(&[folder, b, ("a/c", "#[s(\"super::b::B\")]"), ("d", "")]),
+        nothing
+    );
+    // A folder that itself knows a file which knows it; a circle of three.
+    let knowing = ("a", "use c::C;\nstruct A;");
+    assert_eq!(found(&[knowing, ("a/c", "use super::A;")]), ["a", "a/c"]);
+    let [x, y] = [("x", "use crate::y::Y;"), ("y", "use crate::z::Z;")];
+    let bridge = ("w", "use crate::x::X;");
+    assert_eq!(
+        found(&[bridge, x, y, ("z", "use crate::x::X;")]),
+        ["x", "y", "z"]
+    );
+    assert_eq!(found(&[x, y, ("z", "")]), nothing);
 }
