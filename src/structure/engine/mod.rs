@@ -23,7 +23,7 @@
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
-//! | `landing.rs` | the state at the end of a step |
+//! | `step_end.rs` | the state at the end of a step |
 //! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
 //! | `transitions.rs` | the modes of contacts after an event, one by one |
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
@@ -44,7 +44,6 @@ mod expand;
 pub(crate) mod factor;
 mod groups;
 pub(crate) mod instant;
-mod landing;
 pub(crate) mod model;
 pub(crate) mod modes;
 mod plan;
@@ -56,6 +55,7 @@ mod slow;
 pub(crate) mod sparse;
 mod springs;
 mod state;
+mod step_end;
 mod transitions;
 
 use std::sync::Arc;
@@ -65,12 +65,12 @@ pub(super) use check_start::check_start;
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
-use landing::{AcceptedStep, land};
 use model::Model;
 use modes::{At, Modes};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
+use step_end::{AcceptedStep, land};
 use transitions::{close, decide};
 
 use super::step::{EventData, Step, Trigger};
