@@ -25,7 +25,7 @@
 //! | `defect.rs` | the defect of the series |
 //! | `step_end.rs` | the state at the end of a step |
 //! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
-//! | `transitions.rs` | the modes of contacts after an event, one by one |
+//! | `modes_after.rs` | the modes of contacts after an event, one by one |
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
@@ -46,6 +46,7 @@ mod groups;
 pub(crate) mod instant;
 pub(crate) mod model;
 pub(crate) mod modes;
+mod modes_after;
 mod plan;
 mod reconcile;
 mod series;
@@ -56,7 +57,6 @@ pub(crate) mod sparse;
 mod springs;
 mod state;
 mod step_end;
-mod transitions;
 
 use std::sync::Arc;
 
@@ -67,11 +67,11 @@ use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
 use model::Model;
 use modes::{At, Modes};
+use modes_after::{close, decide};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
-use transitions::{close, decide};
 
 use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
