@@ -26,7 +26,7 @@
 //! | `step_end.rs` | the state at the end of a step |
 //! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
 //! | `modes_after.rs` | the modes of contacts after an event, one by one |
-//! | `decision.rs` | the modes of contacts that share coordinates, together |
+//! | `shared_modes.rs` | the modes of contacts that share coordinates, together |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
 mod alone;
@@ -36,7 +36,6 @@ mod contact_orders;
 mod contact_series;
 mod coordinate_series;
 mod coupling;
-mod decision;
 mod defect;
 mod edge;
 mod events;
@@ -51,6 +50,7 @@ mod plan;
 mod reconcile;
 mod series;
 mod shared;
+mod shared_modes;
 mod sizes;
 mod slow;
 pub(crate) mod sparse;

@@ -2,18 +2,18 @@
 //!
 //! The force in a contact with its own coordinate is a function of q, v and t alone, so such
 //! contacts are decided one by one. Contacts that share coordinates are decided together in
-//! `decision.rs`. A contact exactly on the edge of its band is decided by rates, which may depend
+//! `shared_modes.rs`. A contact exactly on the edge of its band is decided by rates, which may depend
 //! on the modes of other contacts. It is first assumed to stick; all series are expanded, and the
 //! sign of the first nonzero derivative decides. This is repeated until no mode changes.
 
 use super::contact::ContactData;
 use super::coordinate_series::ALL;
-use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
 use super::expand::{expand, expand_further};
 use super::model::Model;
 use super::reconcile::hold_left_out;
 use super::series::Series;
+use super::shared_modes::Decision;
 use super::sizes::{load_terms, terms};
 use super::springs::{ask_again, cut, revise_elastic};
 use super::state::{ContactState, Disturbance, Entry, Phase, Situation};
