@@ -7,8 +7,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::attractor::AttractorKind;
 use super::branch::BranchPoint;
-use super::classify::AttractorKind;
 use super::curve::Curve;
 use super::form::GeneralForm;
 use super::map::{state, vector};

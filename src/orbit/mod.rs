@@ -15,7 +15,7 @@
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
-// | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
+// | `attractor.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
 // | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
 // | `periodic_orbit.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
 // | `measures.rs` | the extremes, means and energies of an `Orbit`, from its steps |
@@ -196,9 +196,9 @@
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.
 
 mod approach;
+mod attractor;
 mod branch;
 mod changes;
-mod classify;
 mod corner;
 mod curve;
 mod family;
@@ -241,8 +241,8 @@ mod walk;
 mod written;
 
 pub use crate::belt::Criticality;
+pub use attractor::{Attractor, AttractorKind, classify};
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-pub use classify::{Attractor, AttractorKind, classify};
 pub use follow::follow;
 pub use hopf::begin;
 pub use locus::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::classify::{Attractor, AttractorKind, settled};
+use super::attractor::{Attractor, AttractorKind, settled};
 use super::oscillator::Oscillator;
 use super::search::Search;
 use crate::error::Error;

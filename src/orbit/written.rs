@@ -4,8 +4,8 @@
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use super::attractor::Attractor;
 use super::branch::{Bifurcation, Branch, BranchPoint};
-use super::classify::Attractor;
 use super::periodic_orbit::Orbit;
 use super::sweep::{Sweep, SweepPoint};
 use crate::motion::System;

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use super::super::attractor::AttractorKind;
 use super::super::branch::{BifurcationKind, Branch};
-use super::super::classify::AttractorKind;
 use super::super::sweep::Sweep;
 use crate::motion::System;
 

@@ -8,8 +8,8 @@ use std::ops::Range;
 
 pub use self::found::{Border, VibrationRange, VibrationRanges};
 use self::motions::{extent, is_on, is_one, is_same};
+use super::attractor::{Attractor, AttractorKind, kind_of};
 use super::branch::{Branch, BranchEnd};
-use super::classify::{Attractor, AttractorKind, kind_of};
 use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};
 use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
