@@ -37,7 +37,7 @@
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`) and their starts (`frozen_start.rs`, set by `start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
-// | `section.rs` | `section`, `section_at`: Poincaré sections |
+// | `poincare.rs` | `section`, `section_at`: Poincaré sections |
 // | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events, in any order if they happen at one instant (`variation.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
@@ -221,10 +221,10 @@ mod passage;
 mod period;
 mod periodic_orbit;
 mod pitchfork;
+mod poincare;
 mod ranges;
 mod saltation;
 mod search;
-mod section;
 mod sensitivity;
 mod sequence;
 mod shoot;
@@ -252,9 +252,9 @@ pub use oscillator::Oscillator;
 pub(crate) use oscillator::{FamilyOfTwo, member};
 pub use period::Period;
 pub use periodic_orbit::Orbit;
+pub use poincare::{EventSection, Section, section, section_at};
 pub use ranges::{Border, VibrationRange, VibrationRanges, vibration_ranges};
 pub use search::{Progress, Search};
-pub use section::{EventSection, Section, section, section_at};
 pub use sensitivity::{
     EventSensitivity, OrbitSensitivities, Sensitivities, orbit_sensitivities, sensitivities,
 };
