@@ -7,11 +7,11 @@
 // | `step_control.rs` | step sizes, accepted defects, the limit of stiffness |
 // | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
 // | `trajectory.rs` | `Trajectory`: a motion over a finite time, and why it ended (`Ended`) |
-// | `root.rs` | the first zero of a user's function in a step |
+// | `first_zero.rs` | the first zero of a user's function in a step |
 
 mod event;
+mod first_zero;
 mod integrator;
-mod root;
 mod run;
 pub(crate) mod step_control;
 mod trajectory;
@@ -121,7 +121,7 @@ pub trait Segment: sealed::Sealed + Clone {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn first_zero(&self, mut f: impl FnMut(&Self::State) -> f64) -> Option<f64> {
-        let t = root::first_zero(&mut |t| f(&self.state_at(t)), self.duration())?;
+        let t = first_zero::first_zero(&mut |t| f(&self.state_at(t)), self.duration())?;
         let time = self.start_time() + t;
         // The sum may round beyond the end. `min` would hide NaN.
         let is_beyond = time > self.end_time();
