@@ -75,12 +75,12 @@ use crate::numerics::trace::{Point, check_ranges};
 ///
 /// | curve | special points |
 /// |---|---|
-/// | fold | [`Cusp`](SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker; at an end of the curve [`FoldGrazing`](SpecialKind::FoldGrazing) |
+/// | fold | [`Cusp`](super::SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker; at an end of the curve [`FoldGrazing`](super::SpecialKind::FoldGrazing) |
 /// | flip | 1:2 resonance, fold-flip, flip-Neimark-Sacker |
 /// | Neimark-Sacker | 1:1 and 1:2 resonances, at which the curve ends; 1:3 and 1:4 resonances; fold-Neimark-Sacker, flip-Neimark-Sacker, double Neimark-Sacker |
 /// | pitchfork | 1:1 resonance, fold-pitchfork, pitchfork-Neimark-Sacker |
 /// | grazing | fold-grazing |
-/// | grazing, onset of stops, order | at an end of the curve [`DoubleGrazing`](SpecialKind::DoubleGrazing) |
+/// | grazing, onset of stops, order | at an end of the curve [`DoubleGrazing`](super::SpecialKind::DoubleGrazing) |
 ///
 /// Two zeros of the same test function within a step (at most 1/64 of the ranges) can be missed.
 /// The coefficients of normal forms are not computed. Generalised flips, Chenciner points, and
@@ -93,10 +93,10 @@ use crate::numerics::trace::{Point, check_ranges};
 /// can approach another event of the same contact, such as a release. The steps then become ever
 /// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of folds
 /// that meets a curve of grazings ends there with `Jump`, and its last special point is
-/// [`FoldGrazing`](SpecialKind::FoldGrazing). This holds if, on the side of the folds, the contact
-/// slips past the touch or sticks there for a time that shrinks to 0. If it sticks for a longer
-/// time at the touch, if its law has a memory, or if its static friction is larger than its kinetic
-/// friction at speed 0, the curve can end with `Crawls` or with
+/// [`FoldGrazing`](super::SpecialKind::FoldGrazing). This holds if, on the side of the folds, the
+/// contact slips past the touch or sticks there for a time that shrinks to 0. If it sticks for a
+/// longer time at the touch, if its law has a memory, or if its static friction is larger than its
+/// kinetic friction at speed 0, the curve can end with `Crawls` or with
 /// [`LocusEnd::Lost`](super::LocusEnd::Lost). A curve of an autonomous motion that shrinks to a
 /// point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
 /// extrapolated, with an error of about 1e-8 of the ranges, and 1e-7 if the system drifts.
