@@ -532,7 +532,15 @@ impl Balance {
         let combined = if along.is_empty() {
             DMatrix::zeros(0, 0)
         } else {
-            let felt = DMatrix::from_columns(&along).transpose() * &motions;
+            // A contact within what moves as a whole feels nothing but rounding.
+            let felt = DMatrix::from_fn(along.len(), motions.ncols(), |c, j| {
+                let felt = along[c].dot(&motions.column(j));
+                if felt.abs() > ROUNDING * along[c].norm() {
+                    felt
+                } else {
+                    0.0
+                }
+            });
             let svd = felt.svd(true, false);
             let least = ROUNDING * svd.singular_values.amax();
             let counts = |i: &usize| svd.singular_values[*i] > least;

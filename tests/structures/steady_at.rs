@@ -293,3 +293,47 @@ fn a_rigid_joint_that_sticks_is_a_constraint() {
         },
     );
 }
+
+/// Joints that stick between masses which springs make one: the forces in them are not felt by what
+/// moves as a whole, whatever the last bits of its directions are.
+#[test]
+fn joints_within_what_moves_as_a_whole_feel_nothing() {
+    for_all(
+        100,
+        [0.3..2.0, 0.3..2.0, 0.3..3.0, 0.0..0.2, -0.5..0.1, 0.5..1.5],
+        |[mass, other, stiffness, damping, velocity, load]| {
+            let joint = |i, j| Contact::between(i, j, Coulomb::new(5.0, 5.0).unwrap(), 1.0);
+            let belt = Contact::new(0, falling(), load).unwrap().on_belt(1.0);
+            let system = Structure::new(&[mass, other, 1.0])
+                .and_then(|s| {
+                    s.with_spring(0, 1, stiffness)?
+                        .with_ground_damper(0, damping)
+                })
+                .and_then(|s| s.with_contact(belt)?.with_contact(joint(0, 1)?))
+                .unwrap();
+            let found = system
+                .steady_sliding_at(&[velocity, velocity, 0.0])
+                .unwrap();
+            // Masses 0 and 1 are one, with one eigenvalue; mass 2 is free and at rest.
+            let slip = 1.0 - velocity;
+            let slope = load
+                * (falling().coefficient(slip + 1e-6) - falling().coefficient(slip - 1e-6))
+                / 2e-6;
+            let [eigenvalue] = found.eigenvalues[..] else {
+                panic!("{:?}", found.eigenvalues)
+            };
+            let expected = -(slope + damping) / (mass + other);
+            assert!(
+                (eigenvalue - expected).norm() < 1e-8,
+                "{eigenvalue} {expected}"
+            );
+            let force = load * falling().coefficient(slip) - damping * velocity;
+            let whole = force / (mass + other);
+            let expected = [whole, whole, 0.0];
+            for (a, expected) in std::iter::zip(&found.accelerations, expected) {
+                assert!((a - expected).abs() < 1e-12, "{:?}", found.accelerations);
+            }
+            Ok(())
+        },
+    );
+}
