@@ -479,3 +479,81 @@ fn a_velocity_at_rest_has_the_derivative_of_the_motion_after_it() {
     assert_abs_diff_eq!(release.by_parameters[0], 0.0, epsilon = 1e-8);
     assert_abs_diff_eq!(release.by_parameters[1], 4.0, epsilon = 1e-9);
 }
+
+/// A block that slides on the ground, as a family of its friction coefficient.
+fn sliding_block(friction: f64) -> Result<(Structure, State), Error> {
+    let contact = Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?;
+    let block = Structure::new(&[1.0])?.with_contact(contact)?;
+    Ok((block, State::new(&[0.0], &[1.0])))
+}
+
+/// q = t − μt²/2: a parameter whose parts underflow is one that is 0.
+#[test]
+fn a_parameter_within_underflow_has_the_derivative_of_zero() {
+    for friction in [0.0, 5e-324, 1e-310] {
+        let found = sensitivities(|p: &[f64]| sliding_block(p[0]), &[friction], 1.0).unwrap();
+        let end = found.at(1.0).unwrap();
+        assert_abs_diff_eq!(end[(0, 0)], -0.5, epsilon = ACCURACY);
+        assert_abs_diff_eq!(end[(1, 0)], -1.0, epsilon = ACCURACY);
+    }
+}
+
+/// Members of a family that have other coordinates or memory variables than the motion have no
+/// difference from it.
+#[test]
+fn members_of_another_size_are_refused() {
+    let is_refused = |found: Error, sizes: [usize; 2]| {
+        let Error::NoDerivative { parameter, reason } = found else {
+            panic!("{found}")
+        };
+        let NotDifferentiable::NoMotion(error) = reason else {
+            panic!("{reason}")
+        };
+        let [found, expected] = sizes;
+        let name = "entries of a state of the family";
+        let wrong = Error::WrongSize {
+            name,
+            found,
+            expected,
+        };
+        assert_eq!((parameter, *error), (0, wrong));
+    };
+    for (here, beside) in [(1, 2), (2, 1)] {
+        let family = |p: &[f64]| {
+            let n = if p[0] == 0.3 { here } else { beside };
+            Ok((Structure::new(&vec![1.0; n])?, State::at_rest(n)))
+        };
+        let found = sensitivities(family, &[0.3], 1.0).unwrap_err();
+        is_refused(found, [2 * beside, 2 * here]);
+    }
+    let driven = |size: f64| {
+        let force = Drive::harmonic(size, 0.7, 0.0)?;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.2)?
+            .with_force(0, force)
+    };
+    let start = State::at_rest(1);
+    let orbit = settle(&driven(0.5).unwrap(), &start, 50.0, Period::Driven(1)).unwrap();
+    let family = |p: &[f64]| {
+        let contact = Contact::new(0, Coulomb::new(0.1, 0.1)?, 1.0)?;
+        let system = driven(p[0])?;
+        match p[0] {
+            0.5 => Ok(system),
+            _ => system.with_contact(contact.with_tangential_stiffness(1.0)?),
+        }
+    };
+    is_refused(
+        orbit_sensitivities(family, &[0.5], &orbit).unwrap_err(),
+        [3, 2],
+    );
+    // Other contacts without memory are other motions.
+    let family = |p: &[f64]| {
+        let system = driven(p[0])?;
+        match p[0] {
+            0.5 => Ok(system),
+            _ => system.with_contact(Contact::new(0, Coulomb::new(0.1, 0.1)?, 1.0)?),
+        }
+    };
+    assert!(orbit_sensitivities(family, &[0.5], &orbit).is_err());
+}

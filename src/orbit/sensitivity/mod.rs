@@ -135,7 +135,9 @@ impl Sensitivities {
             let beside = |change: f64| {
                 let mut parameters = parameters.to_vec();
                 parameters[parameter] += change;
-                run(&parameters, count)
+                let beside = run(&parameters, count)?;
+                check_order(beside.order(), order)?;
+                Ok(beside)
             };
             let found = Variation::of(&here, parameters[parameter], &beside);
             work.check()?;
@@ -406,6 +408,7 @@ fn of_orbit(
     let run = |slopes: &DMatrix<f64>, to: &[f64], expected: usize| {
         let system = family(to)?;
         work.with(system.form(), |form| {
+            check_order(form.order(), order)?;
             let duration = match kind {
                 Period::Free(_) => period,
                 driven @ Period::Driven(_) => driven.duration(form.rhythm())?,
@@ -414,7 +417,7 @@ fn of_orbit(
             let changes = std::iter::zip(to, parameters).map(|(to, from)| to - from);
             let changes = DVector::from_iterator(to.len(), changes);
             let mut start = state(&(&start + slopes * changes), n);
-            form.put_in_modes(&mut start, begin, &|c| Some(step.modes()[c]));
+            form.put_in_modes(&mut start, begin, &|c| step.modes().get(c).copied());
             Run::of(form, (begin, &start), duration, expected)
         })
     };
@@ -450,6 +453,18 @@ fn check(parameters: &[f64]) -> Result<(), Error> {
         )?;
     }
     Ok(())
+}
+
+/// Refuses a system whose states have another number of entries than those of the motion.
+fn check_order(found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(Error::WrongSize {
+        name: "entries of a state of the family",
+        found,
+        expected,
+    })
 }
 
 impl Sensitivities {

@@ -111,6 +111,11 @@ impl Run {
         Ok(run)
     }
 
+    /// The number of entries of a state.
+    pub(super) fn order(&self) -> usize {
+        self.order
+    }
+
     /// The modes of the contacts at the start.
     fn first_modes(&self) -> &[Mode] {
         let first = self.segments.iter().flatten().next();
@@ -159,7 +164,7 @@ impl Run {
     }
 
     /// Returns true if the power series of this motion can be continued beyond their steps to the
-    /// event times of another motion.
+    /// event times of another motion, and to its end.
     fn is_continued_to(&self, other: &Self, groups: &Groups) -> bool {
         /// The part of a step's length by which every series can be continued.
         const BEYOND: f64 = 0.5;
@@ -172,7 +177,9 @@ impl Run {
             ]
         };
         let ends = groups.iter().flat_map(of_group);
-        let mut ends = std::iter::once((0, other.begin)).chain(ends);
+        // Behind the last event too: an event of this motion alone is one that the other has not.
+        let whole = [(0, other.begin), (other.events.len(), other.end)];
+        let mut ends = whole.into_iter().chain(ends);
         ends.all(|(passed, time)| {
             let Some((step, since)) = self.step(passed, time) else {
                 return false;
@@ -504,8 +511,9 @@ impl Variation {
     ) -> Result<Self, NotDifferentiable> {
         /// Increments after which the derivatives of both sides will not come closer.
         const TRIED: usize = 3;
-        // A parameter that is 0 tells nothing of its unit.
-        let [mut least, first, largest] = if value == 0.0 {
+        // A parameter that is 0 tells nothing of its unit; nor does one of which parts underflow.
+        let has_no_unit = value.abs() < f64::MIN_POSITIVE;
+        let [mut least, first, largest] = if has_no_unit {
             [1e-60, FIRST, 1e60]
         } else {
             [LEAST, FIRST, LARGEST].map(|part| part * value.abs())
@@ -532,7 +540,7 @@ impl Variation {
                 Some(change) if change < UNSEEN && 100.0 * step < most => step *= 100.0,
                 Some(change) => {
                     step = (step * CHANGE / change.max(UNSEEN * UNSEEN)).min(most);
-                    if value == 0.0 {
+                    if has_no_unit {
                         least = LEAST / CHANGE * step;
                     }
                     break;
