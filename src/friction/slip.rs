@@ -258,35 +258,22 @@ impl LawVisitor for Expansion<'_> {
 
     #[inline(always)]
     fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output {
-        let piece = Piece {
-            law,
-            index: self.piece,
-        };
-        let Self {
-            expander,
-            equation,
-            from,
-            time,
-            known,
-            ..
-        } = self;
-        expander.expand_one(piece, equation, from, time, known)
+        let index = self.piece;
+        let (equation, from) = (self.equation, self.from);
+        self.expander
+            .expand_one(Piece { law, index }, equation, from, self.time, self.known)
     }
 
     fn visit_seldom<L: FrictionLaw>(self, law: &L) -> Self::Output {
-        let piece = Piece {
-            law,
-            index: self.piece,
-        };
-        let Self {
-            expander,
+        let index = self.piece;
+        let (equation, from) = (self.equation, self.from);
+        self.expander.expand_by::<_, false>(
+            Piece { law, index },
             equation,
             from,
-            time,
-            known,
-            ..
-        } = self;
-        expander.expand_by::<_, false>(piece, equation, from, time, known)
+            self.time,
+            self.known,
+        )
     }
 }
 
