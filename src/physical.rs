@@ -3,8 +3,7 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 
-use crate::belt::Criticality;
-use crate::belt::{Equilibrium, MassOnBelt, Step};
+use crate::belt::{Criticality, Equilibrium, MassOnBelt, Step};
 use crate::bifurcation::{self, DiagramPoint, VibrationRange};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};

@@ -1,8 +1,7 @@
 use std::ops::Range;
 
 use super::along::{Along, Work, along_velocities};
-use crate::belt::Criticality;
-use crate::belt::MassOnBelt;
+use crate::belt::{Criticality, MassOnBelt};
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 use crate::numerics::scan::sign_changes;

@@ -54,21 +54,23 @@ fn has_neighbour(
     let mut start = &origin + (direction * by).component_mul(&sizes);
     let mut period = period;
     let modes = map.end_modes();
-    for _ in 0..CORRECTIONS {
-        let mut here = state(&start, n);
+    let motion = |start: &DVector<f64>, period: f64| {
+        let mut here = state(start, n);
         form.put_in_modes(&mut here, 0.0, &|c| Some(modes[c]));
         let there = period_map(form, 0.0, &here, period).ok()?;
+        Some((vector(&here, order), there))
+    };
+    for _ in 0..CORRECTIONS {
+        let (here, there) = motion(&start, period)?;
         let (matrix, right, unit) = there.equations(is_free.then_some(&map.flow[0]), period);
         let step = conserving(matrix, &right, SINGULAR, order)?;
-        start = vector(&here, order) + step.rows(0, order).component_mul(&there.sizes());
+        start = here + step.rows(0, order).component_mul(&there.sizes());
         if is_free {
             period *= 1.0 + step[order] / unit;
         }
     }
-    let mut here = state(&start, n);
-    form.put_in_modes(&mut here, 0.0, &|c| Some(modes[c]));
-    let there = period_map(form, 0.0, &here, period).ok()?;
-    let moved = (vector(&here, order) - origin).component_div(&sizes);
+    let (here, there) = motion(&start, period)?;
+    let moved = (here - origin).component_div(&sizes);
     let part = moved.dot(direction) / (by * direction.norm_squared());
     Some(part > 0.5 && there.miss() <= CLOSED * there.growth())
 }

@@ -5,9 +5,20 @@
 use stick_slip::nalgebra::DVector;
 use stick_slip::orbit::{Oscillator, sensitivities};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, Structure};
+use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, Structure, Trajectory};
 
 use crate::common::{Random, count};
+
+/// The middle of the longest time without events between two times.
+fn longest_pause(motion: &Trajectory<State>, after: f64, end: f64) -> f64 {
+    let times = motion.events().iter().map(|event| event.time);
+    let times = times.filter(|t| *t > after);
+    let ends = std::iter::once(after).chain(times).chain([end]);
+    let times: Vec<f64> = ends.collect();
+    let pauses = times.windows(2);
+    let pause = pauses.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    pause.map(|pair| 0.5 * (pair[0] + pair[1])).unwrap()
+}
 
 /// How a coordinate or two are rubbed.
 #[derive(Debug, Clone)]
@@ -309,17 +320,7 @@ fn random_derivatives_agree_with_differences() {
         let Ok(whole) = structure.simulate(start, 12.0) else {
             continue;
         };
-        // The middle of the longest pause of the second half.
-        let times = whole
-            .events()
-            .iter()
-            .map(|event| event.time)
-            .filter(|t| *t > 6.0);
-        let times: Vec<f64> = std::iter::once(6.0).chain(times).chain([12.0]).collect();
-        let pause = times
-            .windows(2)
-            .max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-        let time = pause.map(|pair| 0.5 * (pair[0] + pair[1])).unwrap();
+        let time = longest_pause(&whole, 6.0, 12.0);
         let here = vector(&whole.state_at(time).unwrap());
         let end = |change: f64| {
             let (structure, start) = family(&[value + change]).ok()?;
@@ -422,16 +423,7 @@ fn monodromy_matrices_agree_with_derivatives_by_the_start() {
         let Ok(whole) = structure.simulate(start.clone(), 9.0) else {
             continue;
         };
-        let times = whole
-            .events()
-            .iter()
-            .map(|event| event.time)
-            .filter(|t| *t > 4.0);
-        let times: Vec<f64> = std::iter::once(4.0).chain(times).chain([9.0]).collect();
-        let pause = times
-            .windows(2)
-            .max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-        let time = pause.map(|pair| 0.5 * (pair[0] + pair[1])).unwrap();
+        let time = longest_pause(&whole, 4.0, 9.0);
         let map = structure.form().period_map(&start, time).unwrap();
         let numbers: Vec<f64> = start
             .displacements

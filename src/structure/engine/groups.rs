@@ -327,8 +327,8 @@ impl Groups {
                 fixed,
                 series,
                 #[inline(always)]
-                |fixed, series| series.all_orders::<true, true>(fixed),
-                |fixed, series| series.all_orders::<false, true>(fixed),
+                |fixed, series| series.all_orders::<true>(fixed),
+                |fixed, series| series.all_orders::<false>(fixed),
             );
         } else {
             for start in fixed.waves.starts(ALL - 1) {
@@ -447,16 +447,17 @@ impl Waves {
 }
 
 impl GroupSeries {
+    /// All orders after the first, with memories and contacts without a coordinate of their own.
     #[inline(always)]
-    fn all_orders<const CHOSEN: bool, const EXTENDED: bool>(&mut self, fixed: &Fixed) {
+    fn all_orders<const CHOSEN: bool>(&mut self, fixed: &Fixed) {
         for start in fixed.waves.starts(ALL - 1) {
             for k in 1..ALL {
-                self.order::<CHOSEN, EXTENDED>(fixed, start, k);
+                self.order::<CHOSEN, true>(fixed, start, k);
             }
         }
     }
 
-    /// The same order for a processor without fused multiply-adds.
+    /// An order without these, for a processor without fused multiply-adds.
     #[inline(never)]
     fn unfused_order(&mut self, fixed: &Fixed, start: usize, k: usize) {
         self.order::<false, false>(fixed, start, k);

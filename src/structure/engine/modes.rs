@@ -12,6 +12,7 @@ use super::model::Model;
 use super::state::{ContactState, Situation};
 use crate::drive::Drive;
 use crate::motion::Mode;
+use crate::numerics::sort::sort_by;
 use crate::state::Direction;
 
 /// The modes of all contacts in a step; shared by steps in the same modes.
@@ -68,7 +69,7 @@ impl Modes {
         if !holding.is_empty() {
             let surface = |&c: &usize| (c, Arc::clone(&model.contacts[c].belt_velocity));
             all.surfaces = holding.iter().map(surface).collect();
-            all.surfaces.sort_by_key(|&(c, _)| c);
+            sort_by(&mut all.surfaces, |&(c, _)| c as f64);
             all.held = model.pivots(holding);
         }
         all
