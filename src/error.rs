@@ -183,8 +183,9 @@ pub enum Error {
     /// A breakpoint of the law is infinite, NaN or not positive, does not exceed the breakpoint
     /// before it, or is a speed at which the law jumps.
     #[error(
-        "breakpoint {index} of the friction law (counted from 0), {}, is not allowed; breakpoints \
-         must be finite, positive and strictly ascending, and the law continuous there",
+        "breakpoint {index} of the law (counted from 0), {}, is not allowed; breakpoints must be \
+         finite and strictly ascending, those of a friction law positive, and the law continuous \
+         there",
         Plain(*value)
     )]
     BadBreakpoints {
@@ -192,6 +193,44 @@ pub enum Error {
         index: usize,
         /// The value of this breakpoint.
         value: f64,
+    },
+
+    /// A [`ForceLaw`](crate::ForceLaw) or [`ForceField`](crate::ForceField) returned NaN or ±∞ on a
+    /// motion, or grows without bound there: the motion runs into a pole of the force.
+    #[error(
+        "force element {element} gives {value} at position {} and velocity {} {reached}; define \
+         the force at every position that the motion reaches, or stop the motion before a pole",
+        Plain(*position),
+        Plain(*velocity)
+    )]
+    NonFiniteForce {
+        /// Number of the element, counted from 0.
+        element: usize,
+        /// Position x along its first direction.
+        position: f64,
+        /// Velocity y along this direction.
+        velocity: f64,
+        /// The force, in units of force: NaN, infinite, or the large value that was reached.
+        value: f64,
+        /// The time and state reached.
+        reached: Reached,
+    },
+
+    /// A [`ForceLaw`](crate::ForceLaw) or [`ForceField`](crate::ForceField) has no power series at
+    /// a position that the motion reaches, such as x^(3/2) at x = 0.
+    #[error(
+        "force element {element} is not analytic at position {} {reached}; use integer powers \
+         there, or declare the position as a breakpoint and define the pieces by functions that \
+         are analytic on both sides of it, for example through points",
+        Plain(*position)
+    )]
+    NotAnalyticForce {
+        /// Number of the element, counted from 0.
+        element: usize,
+        /// Position x along its first direction.
+        position: f64,
+        /// The time and state reached.
+        reached: Reached,
     },
 
     /// A mass, stiffness, damping, force or contact of a structure is outside its range, infinite
@@ -271,7 +310,7 @@ pub enum Error {
     /// The direction of a contact is not valid: each coordinate must occur only once, and the
     /// coefficients must be finite and not all 0.
     #[error(
-        "contact: the direction {direction:?} is not allowed: give at least one pair \
+        "the direction {direction:?} is not allowed: give at least one pair \
          (coordinate, b) with finite b ≠ 0, and each coordinate only once"
     )]
     BadDirection {

@@ -200,6 +200,7 @@
 // | `scalar` | the numbers that a law is evaluated on, and their recurrences |
 // | `series`, `numerics` | power series and their roots; brackets, scans, quadrature |
 // | `drive`, `friction` | functions of time; friction laws, their checks, contact laws with memory |
+// | `force` | laws of nonlinear springs, dampers and forces |
 // | `motion` | what both engines share: settings, step control, events, trajectories |
 // | `belt` | one mass on a belt: system and engine |
 // | `structure` | several masses and contacts: system and engine |
@@ -218,6 +219,8 @@ mod clock;
 #[cfg(feature = "structures")]
 mod drive;
 mod error;
+#[cfg(feature = "structures")]
+mod force;
 mod friction;
 pub mod guarantees;
 pub mod limit_cycle;
@@ -239,6 +242,8 @@ pub use belt::{Equilibrium, Flow, Jacobian, MassOnBelt, Stability, Step};
 #[cfg(feature = "structures")]
 pub use drive::Drive;
 pub use error::{Error, Reached};
+#[cfg(feature = "structures")]
+pub use force::{ForceField, ForceLaw};
 pub use friction::memory::{
     AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip, Variables,
 };
@@ -262,7 +267,7 @@ pub use scalar::Scalar;
 pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};
 #[cfg(feature = "structures")]
-pub use structure::{Contact, Structure};
+pub use structure::{Contact, ForceElement, Structure};
 
 /// Compiles the program of the README as a test.
 #[cfg(doctest)]

@@ -3,6 +3,7 @@
 use super::numbers::Plain;
 
 /// An element of a [`Structure`](crate::Structure), identified by numbers counted from 0.
+#[allow(clippy::enum_variant_names)] // as the type is called
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Element {
@@ -20,6 +21,8 @@ pub enum Element {
     Force(usize),
     /// A contact, by its number.
     Contact(usize),
+    /// A [force element](crate::ForceElement), by its number.
+    ForceElement(usize),
 }
 
 impl std::fmt::Display for Element {
@@ -31,6 +34,7 @@ impl std::fmt::Display for Element {
             Self::Damping(i, j) => write!(f, "damping ({i}, {j})"),
             Self::Force(i) => write!(f, "force on coordinate {i}"),
             Self::Contact(i) => write!(f, "contact {i}"),
+            Self::ForceElement(i) => write!(f, "force element {i}"),
         }
     }
 }

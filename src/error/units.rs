@@ -129,6 +129,8 @@ impl Error {
             | Self::NoDerivative { .. }
             | Self::Undetermined { .. }
             | Self::LawNotConstant { .. }
+            | Self::NonFiniteForce { .. }
+            | Self::NotAnalyticForce { .. }
             | Self::OverLimit { .. }
             | Self::BeltVelocityJumps { .. }
             | Self::Separation { .. }

@@ -1,12 +1,15 @@
 //! The power series of several perturbations, computed together: each sum of the variational
 //! equations is computed for all of them at once, in vector registers.
 
+use super::coefficient::Coefficient;
+use super::elements::ElementDerivatives;
 use super::form::GeneralForm;
-use super::linear::{Coefficient, Linear};
+use super::linear::Linear;
 use crate::motion::step_control::root_of_ratio;
 use crate::scalar::{self, fused};
 use crate::series::{INTEGRAL, TERMS};
 use crate::structure::engine::contact::Entries;
+use crate::structure::engine::element::ElementData;
 use crate::structure::engine::model::Model;
 
 /// Numbers of W perturbations.
@@ -16,7 +19,7 @@ pub(super) type Lanes<const W: usize> = [f64; W];
 pub(super) type Row<const W: usize> = [Lanes<W>; LONG];
 
 /// The series of W perturbations: displacements, velocities and memory variables, then the sliding
-/// velocities of all contacts and their loads.
+/// velocities of all contacts and their loads, and the positions and velocities of force elements.
 pub(super) type Rows<const W: usize> = [Row<W>];
 
 /// Most coefficients: one more than the series of the motion have, which give it.
@@ -57,7 +60,9 @@ impl<'e> Equations<'e> {
 
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.order + 2 * self.model.contacts.len()
+        let elements = self.linear.elements.iter();
+        let inputs = elements.map(|element| element.0.len());
+        self.order + 2 * self.model.contacts.len() + inputs.sum::<usize>()
     }
 
     /// The series of perturbations whose values at time 0 are given.
@@ -89,7 +94,8 @@ impl<'e> Equations<'e> {
         let (states, derived) = rows.split_at_mut(self.order);
         let (q, rest) = states.split_at_mut(n);
         let (v, memories) = rest.split_at_mut(n);
-        let (slips, loads) = derived.split_at_mut(contacts);
+        let (slips, derived) = derived.split_at_mut(contacts);
+        let (loads, inputs) = derived.split_at_mut(contacts);
         // A constant range, so that the compiler knows which coefficients there are.
         for k in (0..LONG - 1).take(self.terms - 1) {
             // −(k + 1) v_{k+1}
@@ -101,6 +107,12 @@ impl<'e> Equations<'e> {
                     sum = sum_of::<W, FUSED>(sum, beside, x, k);
                 }
                 v[i][k + 1] = sum;
+            }
+            let mut inputs = &mut *inputs;
+            for (element, derivatives) in std::iter::zip(&model.elements, &linear.elements) {
+                let own;
+                (own, inputs) = inputs.split_at_mut(derivatives.0.len());
+                self.add_element::<W, FUSED>((q, v), own, element, derivatives, k);
             }
             let derived = std::iter::zip(&mut *slips, &mut *loads);
             let contacts = std::iter::zip(&linear.contacts, &model.contacts);
@@ -142,6 +154,32 @@ impl<'e> Equations<'e> {
             for (q, v) in std::iter::zip(&mut *q, &mut *v) {
                 q[k + 1] = times(&v[k], INTEGRAL[k]);
                 v[k + 1] = times(&v[k + 1], -INTEGRAL[k]);
+            }
+        }
+    }
+
+    /// Order k of the force of an element.
+    #[inline(always)]
+    fn add_element<const W: usize, const FUSED: bool>(
+        &self,
+        (q, v): (&Rows<W>, &mut Rows<W>),
+        inputs: &mut Rows<W>,
+        element: &ElementData<'_>,
+        ElementDerivatives(derivatives): &ElementDerivatives,
+        k: usize,
+    ) {
+        let (positions, velocities) = inputs.split_at_mut(element.directions.len());
+        for (i, direction) in element.directions.iter().enumerate() {
+            positions[i][k] = sum_of::<W, FUSED>([0.0; W], direction, q, k);
+            velocities[i][k] = sum_of::<W, FUSED>([0.0; W], direction, v, k);
+        }
+        for (i, response) in element.responses.iter().enumerate() {
+            let mut sum = [0.0; W];
+            for (by, input) in std::iter::zip(derivatives, &*inputs) {
+                convolve::<W, FUSED>(&mut sum, &by[i], input, k);
+            }
+            for &(j, x) in response {
+                add::<W, FUSED>(&mut v[j][k + 1], x, &sum);
             }
         }
     }

@@ -1,6 +1,8 @@
 //! The variational equations along one step: the derivatives of friction by the velocity and the
 //! memory of its contact, as power series in time.
 
+use super::coefficient::{Coefficient, product};
+use super::elements::ElementDerivatives;
 use crate::friction::memory::object::Derivative;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::{Mode, Segment};
@@ -17,6 +19,8 @@ use crate::structure::engine::model::Model;
 pub(super) struct Linear {
     /// The derivatives, by the number of the contact.
     pub(super) contacts: Vec<ContactDerivatives>,
+    /// The derivatives of force elements.
+    pub(super) elements: Vec<ElementDerivatives>,
     /// The coordinates whose own contact sticks.
     pub(super) stuck: Vec<usize>,
     pub(super) holding: Holding,
@@ -53,22 +57,6 @@ impl Holding {
     }
 }
 
-/// A coefficient of the variational equations.
-#[derive(Debug, Clone)]
-pub(super) struct Coefficient {
-    pub(super) series: PowerSeries,
-    /// Number of terms up to the last that is not 0.
-    pub(super) terms: usize,
-}
-
-impl From<PowerSeries> for Coefficient {
-    fn from(series: PowerSeries) -> Self {
-        let last = series.coefficients().iter().rposition(|c| *c != 0.0);
-        let terms = last.map_or(0, |last| last + 1);
-        Self { series, terms }
-    }
-}
-
 /// The derivatives at one contact.
 #[derive(Debug, Clone)]
 pub(super) struct ContactDerivatives {
@@ -94,7 +82,7 @@ impl ContactDerivatives {
 
     /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
-        let one = |of: &Coefficient| Coefficient::from(of.series.shifted(time));
+        let one = |of: &Coefficient| of.shifted(time);
         let all = |row: &Vec<Coefficient>| -> Vec<_> { row.iter().map(one).collect() };
         Self {
             friction: all(&self.friction),
@@ -122,8 +110,12 @@ impl Linear {
         });
         let sticks = |c: usize| step.modes()[c] == Mode::Stick;
         let is_held = |i: &usize| model.owner[*i].is_some_and(sticks);
+        let elements = model.elements.iter();
         Self {
             contacts: contacts.collect(),
+            elements: elements
+                .map(|element| ElementDerivatives::of(element, step))
+                .collect(),
             stuck: (0..model.len()).filter(is_held).collect(),
             holding: model.holding(&sticks),
         }
@@ -136,6 +128,11 @@ impl Linear {
                 .contacts
                 .iter()
                 .map(|joint| joint.shifted(time))
+                .collect(),
+            elements: self
+                .elements
+                .iter()
+                .map(|element| element.shifted(time))
                 .collect(),
             stuck: self.stuck.clone(),
             holding: self.holding.clone(),
@@ -255,12 +252,4 @@ impl ContactAlong<'_> {
         }
         load.scaled(self.contact.compliance)
     }
-}
-
-/// The series of a product.
-fn product(a: &PowerSeries, b: &PowerSeries) -> PowerSeries {
-    if a.is_constant() {
-        return b.scaled(a[0]);
-    }
-    PowerSeries::from_fn(|k| (0..=k).map(|l| a[l] * b[k - l]).sum())
 }

@@ -4,7 +4,7 @@
 // | `oscillator.rs` | `Oscillator`: the systems that the searches take |
 // | `period.rs`, `trial.rs` | `Period`; one trial of a search |
 // | `translation.rs` | translations that no force depends on, up to which motions are periodic |
-// | `linear.rs` | coefficients of the variational equations along one step, as power series |
+// | `coefficient.rs`, `linear.rs`, `elements.rs` | coefficients of the variational equations along one step, as power series; those of force elements |
 // | `lanes.rs` | power series of several perturbations, side by side |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
@@ -199,8 +199,10 @@ mod approach;
 mod attractor;
 mod branch;
 mod changes;
+mod coefficient;
 mod corner;
 mod curve;
+mod elements;
 mod family;
 mod follow;
 mod form;

@@ -1,5 +1,5 @@
-//! The springs of contacts in the variational equations: elastic contacts, and normal springs that
-//! open and close.
+//! The forces that a state determines, in the variational equations: those of elastic contacts, of
+//! normal springs that open and close, and of force elements.
 //!
 //! Saltation matrices of the events of springs are S = I for displacements and velocities, because
 //! the forces of springs are continuous. If an elastic contact starts to slip or opens, or if its
@@ -7,10 +7,12 @@
 
 use nalgebra::RowDVector;
 
+use super::elements::ElementDerivatives;
 use super::tangent::TangentFlow;
 use crate::motion::{Mode, Segment};
 use crate::structure::Step;
 use crate::structure::engine::contact::entry;
+use crate::structure::engine::element::ElementData;
 
 impl TangentFlow<'_> {
     /// Sets δT of the elastic contacts that do not stick: σμ n·δq in slip, 0 while open.
@@ -67,7 +69,8 @@ impl TangentFlow<'_> {
         gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
     }
 
-    /// The perturbation of the acceleration v' of a coordinate by the springs of contacts.
+    /// The perturbation of the acceleration v' of a coordinate by the springs of contacts and by
+    /// force elements, at the end of a step.
     pub(super) fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
         let model = &self.form.model;
         let mut rate = self.row(0) * 0.0;
@@ -82,11 +85,30 @@ impl TangentFlow<'_> {
                 }
             }
         }
+        for element in &model.elements {
+            let response: Vec<f64> = responses_at(element, i).collect();
+            if response.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            let derivatives = ElementDerivatives::of(element, step);
+            for (by, slopes) in derivatives.0.iter().enumerate() {
+                let forces = std::iter::zip(&response, slopes);
+                let forces = forces.map(|(x, slope)| x * slope.series.at(step.duration()));
+                let force = forces.sum::<f64>();
+                let (first, direction) = match by.checked_sub(response.len()) {
+                    None => (0, &element.directions[by]),
+                    Some(by) => (self.form.len(), &element.directions[by]),
+                };
+                for &(j, a) in direction {
+                    rate -= self.row(first + j) * (force * a);
+                }
+            }
+        }
         rate
     }
 
-    /// The rate of the acceleration v' of a coordinate by the springs of contacts, at the end of a
-    /// step.
+    /// The rate of the acceleration v' of a coordinate by the springs of contacts and by force
+    /// elements, at the end of a step.
     pub(super) fn spring_rate(&self, step: &Step, i: usize) -> f64 {
         let (model, h) = (&self.form.model, step.duration());
         let velocities = step.end_state().velocities;
@@ -103,6 +125,22 @@ impl TangentFlow<'_> {
             }
             rate
         });
-        rates.sum()
+        let elements = model.elements.iter().map(|element| {
+            let response: Vec<f64> = responses_at(element, i).collect();
+            if response.iter().all(|x| *x == 0.0) {
+                return 0.0;
+            }
+            let rates = ElementDerivatives::rates(element, step);
+            -std::iter::zip(response, rates)
+                .map(|(x, rate)| x * rate)
+                .sum::<f64>()
+        });
+        rates.sum::<f64>() + elements.sum::<f64>()
     }
+}
+
+/// (M⁻¹a)_i of each direction of an element.
+fn responses_at(element: &ElementData<'_>, i: usize) -> impl Iterator<Item = f64> {
+    let responses = element.responses.iter();
+    responses.map(move |response| entry(response, i))
 }

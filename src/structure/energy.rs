@@ -16,8 +16,8 @@ use crate::state::structure::State;
 /// Energy budget of a motion: work and heat, in units of force times displacement.
 ///
 /// ```text
-/// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n),    K_s = (K + Kᵀ)/2
-/// stored = Σ force_work + Σ drive_work + Σ normal_work + circulation
+/// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n) + Σ D U,    K_s = (K + Kᵀ)/2
+/// stored = Σ force_work + Σ drive_work + Σ normal_work + Σ element_work + circulation
 ///          − damper_loss − Σ friction_loss
 /// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        for each contact
 /// ```
@@ -29,8 +29,10 @@ use crate::state::structure::State;
 ///
 /// The symbols are those of [`Structure`] and [`Contact`](crate::Contact). λ is the friction force
 /// of a contact; in an elastic contact of stiffness k_t it is T. N and k_n are the load and the
-/// stiffness of a normal spring. Friction exerts the force −b λ on the coordinates and the force λ
-/// on the surface, which moves with the velocity w. Δ is the change over the motion.
+/// stiffness of a normal spring. U is the potential of a [force
+/// element](crate::ForceElement), 0 if its law has none, and D its factor. Friction exerts the
+/// force −b λ on the coordinates and the force λ on the surface, which moves with the velocity w. Δ
+/// is the change over the motion.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
@@ -70,6 +72,9 @@ pub struct EnergyBudget {
     /// base moves by (N0 + n·q)/k_n. N0(t) is the load given to the contact, and n its load
     /// gradient. 0 for a contact without a normal spring.
     pub normal_work: Vec<f64>,
+    /// Work of each force element beyond its potential, ∫ (D' U − D Σ y_i (F_i − ∂U/∂x_i)) dt: 0 if
+    /// its force has a potential and its factor is constant; without a potential, all its work.
+    pub element_work: Vec<f64>,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,
     /// Work of the skew-symmetric part of the stiffness matrix, −∫ vᵀ(K − Kᵀ)q/2 dt; 0 if K is
@@ -79,12 +84,17 @@ pub struct EnergyBudget {
 
 impl EnergyBudget {
     /// Residual of the energy balance: `stored` − (Σ `force_work` + Σ `drive_work` + Σ
-    /// `normal_work` + `circulation`) + `damper_loss` + Σ `friction_loss`. `belt_work` is no term
-    /// of its own, because `drive_work` contains it. With the default tolerance of the integrator
-    /// the residual consists of rounding errors. With a larger tolerance it estimates the error of
-    /// the motion.
+    /// `normal_work` + Σ `element_work` + `circulation`) + `damper_loss` + Σ `friction_loss`.
+    /// `belt_work` is no term of its own, because `drive_work` contains it. With the default
+    /// tolerance of the integrator the residual consists of rounding errors. With a larger
+    /// tolerance it estimates the error of the motion.
     pub fn defect(&self) -> f64 {
-        let work = [&self.force_work, &self.drive_work, &self.normal_work];
+        let work = [
+            &self.force_work,
+            &self.drive_work,
+            &self.normal_work,
+            &self.element_work,
+        ];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
         let losses = self.friction_loss.iter().sum::<f64>() + self.damper_loss;
         self.stored - (work - losses)
@@ -106,9 +116,10 @@ impl Structure {
         finite(energy, state)
     }
 
-    /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) of a state at a time: the energy of the
-    /// stiffness matrix K, of elastic contacts with force T and stiffness k_t, and of normal
-    /// springs with load N and stiffness k_n that are closed at that time.
+    /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) + Σ D U of a state at a time: the energy
+    /// of the stiffness matrix K, of elastic contacts with force T and stiffness k_t, of normal
+    /// springs with load N and stiffness k_n that are closed at that time, and of force elements
+    /// with the factor D whose laws have a potential U.
     ///
     /// # Errors
     ///
@@ -137,7 +148,12 @@ impl Structure {
             energies.of_contact(c, carried.copied().unwrap_or(0.0))
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
         });
-        let energy = energies.elastic(&state.displacements) + springs.sum::<f64>();
+        let elements = model.elements.iter().map(|element| {
+            let energy = element.potential(|j| state.displacements[j]);
+            element.factor.value(time) * energy
+        });
+        let energy =
+            energies.elastic(&state.displacements) + springs.sum::<f64>() + elements.sum::<f64>();
         finite(energy, state)
     }
 
@@ -253,7 +269,10 @@ impl Energies<'_, '_> {
         let carried = instant.contacts.iter().enumerate();
         let carried = carried.map(|(c, at)| self.of_contact(c, at.carried));
         let springs = carried.chain(self.of_normals(instant)).sum::<f64>();
-        self.kinetic(velocities) + self.elastic(displacements) + springs
+        let elements = zip(&self.model.elements, &instant.elements);
+        let elements =
+            elements.map(|(element, at)| at.factor[0] * element.potential(|j| displacements[j]));
+        self.kinetic(velocities) + self.elastic(displacements) + springs + elements.sum::<f64>()
     }
 
     /// The budget of a motion of these steps.
@@ -265,6 +284,7 @@ impl Energies<'_, '_> {
             belt_work: vec![0.0; contacts],
             friction_loss: vec![0.0; contacts],
             normal_work: vec![0.0; contacts],
+            element_work: vec![0.0; model.elements.len()],
             ..EnergyBudget::default()
         };
         let is_long = |step: &&Step| step.duration() > 0.0 && step.duration().is_finite();
@@ -323,10 +343,19 @@ impl Energies<'_, '_> {
                 budget.normal_work[c] += weight * at.load * rate / stiffness;
             }
         }
+        let elements = zip(&self.model.elements, &instant.elements);
+        for (work, (element, at)) in zip(&mut budget.element_work, elements) {
+            let slopes = element.potential_slopes(|j| q[j]);
+            let parts = zip(element.along(|j| v[j]), zip(&at.forces, slopes));
+            let power = parts.map(|(velocity, (force, slope))| velocity * (force - slope));
+            let [factor, change] = at.factor;
+            let given = change * element.potential(|j| q[j]);
+            *work += weight * (given - factor * power.sum::<f64>());
+        }
     }
 
-    /// Adds the effect of a load that jumps between two steps: the slider of an elastic contact
-    /// slips at once, and a normal spring is pressed.
+    /// Adds the effect of a load or a factor that jumps between two steps: the slider of an elastic
+    /// contact slips at once, a normal spring is pressed, and a potential changes.
     fn add_jump(&self, budget: &mut EnergyBudget, before: &Instant, after: &Instant) {
         for (c, loss) in budget.friction_loss.iter_mut().enumerate() {
             let [from, to] = [before, after].map(|at| self.of_contact(c, at.contacts[c].carried));
@@ -335,6 +364,12 @@ impl Energies<'_, '_> {
         let springs = zip(self.of_normals(before), self.of_normals(after));
         for (work, (from, to)) in zip(&mut budget.normal_work, springs) {
             *work += to - from;
+        }
+        let factors = zip(&before.elements, &after.elements);
+        let elements = zip(&self.model.elements, factors);
+        for (work, (element, (from, to))) in zip(&mut budget.element_work, elements) {
+            let energy = element.potential(|j| after.state.displacements[j]);
+            *work += (to.factor[0] - from.factor[0]) * energy;
         }
     }
 }

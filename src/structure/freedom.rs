@@ -18,7 +18,8 @@ pub(crate) struct Freedom {
 }
 
 impl Freedom {
-    /// K e = 0 and n_c·e = 0 of each load gradient; for velocities C e = 0 and b_c·e = 0 too.
+    /// K e = 0, n_c·e = 0 of each load gradient and a·e = 0 of each force element; for velocities
+    /// C e = 0 and b_c·e = 0 too.
     pub(crate) fn of(model: &Model<'_>) -> Self {
         let rows = elastic_rows(model);
         let displacements = null_space(model, &rows);
@@ -35,11 +36,17 @@ impl Freedom {
     }
 }
 
-/// The rows of K, and the load gradients: the forces that displacements change.
+/// The rows of K, the load gradients, and the directions of force elements: the forces that
+/// displacements change.
 pub(super) fn elastic_rows(model: &Model<'_>) -> Vec<DVector<f64>> {
     let gradients = model.contacts.iter();
     let gradients = gradients.map(|contact| row(model.len(), &contact.load_gradient));
-    rows_of(&model.stiffness).chain(gradients).collect()
+    let elements = model.elements.iter().flat_map(|element| element.directions);
+    let elements = elements.map(|direction| row(model.len(), direction));
+    rows_of(&model.stiffness)
+        .chain(gradients)
+        .chain(elements)
+        .collect()
 }
 
 /// The direction of a contact.

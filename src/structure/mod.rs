@@ -1,6 +1,7 @@
 // | file | what is in it |
 // |---|---|
 // | `system.rs`, `matrices.rs` | `Structure`, the system for users; checks of its matrices |
+// | `force_element.rs` | `ForceElement`, a nonlinear spring, damper or force of several coordinates |
 // | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
@@ -125,6 +126,7 @@ mod elastic;
 mod energy;
 pub(crate) mod engine;
 mod flow;
+mod force_element;
 pub(crate) mod freedom;
 mod matrices;
 #[cfg(feature = "serde")]
@@ -141,6 +143,7 @@ pub use contact::Contact;
 pub(crate) use energy::Energies;
 pub use energy::EnergyBudget;
 pub use flow::Flow;
+pub use force_element::ForceElement;
 pub use sample::Sample;
 pub use stability_changes::StabilityChange;
 pub use steady::SteadySliding;

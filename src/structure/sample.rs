@@ -1,7 +1,7 @@
 //! Samples of a motion with friction forces, loads and accelerations.
 
 use super::energy::check_motion;
-use super::engine::instant::Forces;
+use super::engine::instant::{AtElement, Forces};
 use super::system::Structure;
 use crate::error::Error;
 use crate::motion::{Mode, Trajectory};
@@ -27,6 +27,9 @@ pub struct Sample {
     pub friction: Vec<f64>,
     /// The normal load of each contact, in units of force; 0 if the contact is open.
     pub loads: Vec<f64>,
+    /// The forces D F_i of each [force element](crate::ForceElement), one for each of its
+    /// directions, in units of force; the force on the structure is −Σ a_i D F_i.
+    pub element_forces: Vec<Vec<f64>>,
 }
 
 impl Structure {
@@ -68,12 +71,15 @@ impl Structure {
             let instant = Forces::of(&model, step).at_time(time);
             let contacts = instant.contacts.iter();
             let (friction, loads) = contacts.map(|at| (at.carried, at.load)).unzip();
+            let elements = instant.elements.iter();
+            let element_forces = elements.map(AtElement::scaled).collect();
             Sample {
                 time,
                 modes: step.modes().to_vec(),
                 accelerations: instant.accelerations,
                 friction,
                 loads,
+                element_forces,
                 state: instant.state,
             }
         }))

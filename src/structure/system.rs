@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::contact::Contact;
 use super::engine::model::{Mass, Model};
+use super::force_element::ForceElement;
 use super::matrices::{
     MAX_COORDINATES, add, add_between, add_matrix, check_count, check_definite, check_masses,
     make_symmetric,
@@ -133,6 +134,7 @@ pub struct Structure {
     /// One for each coordinate.
     forces: Vec<Drive>,
     contacts: Vec<Contact>,
+    elements: Vec<ForceElement>,
 }
 
 impl Structure {
@@ -158,6 +160,7 @@ impl Structure {
             damping: DMatrix::zeros(n, n),
             forces: vec![Drive::constant(0.0); n],
             contacts: Vec::new(),
+            elements: Vec::new(),
         })
     }
 
@@ -347,6 +350,19 @@ impl Structure {
         contacts.into_iter().try_fold(self, Self::with_contact)
     }
 
+    /// Adds a force element: a nonlinear spring or damper, or a force of several coordinates.
+    /// Elements are numbered from 0, in the order in which they are added.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchCoordinate`] if a direction of the element names a coordinate that does not
+    /// exist.
+    pub fn with_element(mut self, element: ForceElement) -> Result<Self, Error> {
+        element.check(self.elements.len(), self.len())?;
+        self.elements.push(element);
+        Ok(self)
+    }
+
     /// Number of coordinates, at least 1.
     #[allow(clippy::len_without_is_empty)] // it never is
     pub fn len(&self) -> usize {
@@ -390,6 +406,11 @@ impl Structure {
         &self.contacts
     }
 
+    /// The force elements, by their numbers.
+    pub fn elements(&self) -> &[ForceElement] {
+        &self.elements
+    }
+
     /// The least common period of all drives: forces, loads and belt velocities. `None` if all are
     /// constant or have no common period; see [`Drive::period`].
     ///
@@ -412,7 +433,8 @@ impl Structure {
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();
         let of_contacts = contacts.flat_map(|contact| [contact.load(), contact.belt_velocity()]);
-        self.forces.iter().chain(of_contacts)
+        let of_elements = self.elements.iter().map(ForceElement::factor);
+        self.forces.iter().chain(of_contacts).chain(of_elements)
     }
 
     /// The model that the engine integrates.
@@ -426,6 +448,7 @@ impl Structure {
             [&self.stiffness, &self.damping],
             Cow::Borrowed(&self.forces),
             self.contacts.iter().map(Contact::data).collect(),
+            self.elements.iter().map(ForceElement::data).collect(),
         )
     }
 }
@@ -457,6 +480,7 @@ where
             damping: DMatrix::from_element(1, 1, 2.0 * belt.damping()),
             forces: vec![Drive::constant(0.0)],
             contacts: vec![contact],
+            elements: Vec::new(),
         }
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod any;
 pub mod bristles;
+pub mod forces;
 pub mod naive;
 pub mod orbit;
 pub mod plain;

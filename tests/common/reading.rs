@@ -7,6 +7,7 @@ use stick_slip::{
     LuGre, Polynomial, Rational, Scalar, Structure,
 };
 
+use crate::forces::element;
 use crate::{json, list, number, text};
 
 pub fn cases(file: &str) -> Vec<Value> {
@@ -142,6 +143,9 @@ fn with_laws<L: ContactLaw + Send + Sync + 'static>(
             }
         }
         structure = structure.with_contact(made).unwrap();
+    }
+    for force in system.get("forces").map(list).unwrap_or_default() {
+        structure = structure.with_element(element(force)).unwrap();
     }
     structure
 }

@@ -10,13 +10,14 @@ use stick_slip_tests_common::root;
 
 /// The modules of the crate, from the ground up. One may use those of lower floors; those that
 /// share a floor know nothing of each other.
-const FLOORS: [&[&str]; 12] = [
+const FLOORS: [&[&str]; 13] = [
     &["state", "clock"],
     &["error"],
     &["scalar"],
     &["series", "numerics"],
     &["drive"],
     &["friction"],
+    &["force"],
     &["motion"],
     &["belt"],
     // Made from a belt, too.

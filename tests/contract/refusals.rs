@@ -9,9 +9,10 @@ use stick_slip::analysis::{PureSlip, averaging, design, lugre};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Period};
 use stick_slip::{
-    Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
-    Integrator, Iwan4, LuGre, MassOnBelt, Motion, Physical, Polynomial, Rational, Scalar, Scaled,
-    Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation, check_law, structure,
+    Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential, ForceElement,
+    ForceLaw, FrictionLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Physical, Polynomial,
+    Rational, Scalar, Scaled, Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation,
+    check_law, structure,
 };
 use stick_slip_tests_common::root;
 
@@ -48,6 +49,19 @@ impl ContactLaw for Remembering {
     fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; 1]) -> [S; 1] {
         let _ = motion;
         [memory[0] + self.0]
+    }
+}
+
+/// No force, but a potential of this slope.
+#[derive(Debug, Clone, Copy)]
+struct Stored(f64);
+
+impl ForceLaw for Stored {
+    fn force<S: Scalar>(&self, position: S, _: S, _: usize) -> S {
+        position * 0.0
+    }
+    fn potential<S: Scalar>(&self, position: S, _: usize) -> Option<S> {
+        Some(position * self.0)
     }
 }
 
@@ -192,6 +206,7 @@ fn laws() -> Vec<Case> {
         "Dwell" "time" NOT_ABOVE, |x| Dwell::logarithmic(law(), 0.1, x);
         "FrictionLaw" "static_coefficient" BELOW, |x| MassOnBelt::new(Given(x), 0.2);
         "FrictionLaw" "static_coefficient" BELOW, |x| Contact::new(0, Given(x), 1.0);
+        "ForceLaw" "slope of the potential" &[1e-3, -1.0], |x| ForceElement::new(0, Stored(x));
         "ContactLaw" "rate" &ANY, |x| Contact::new(0, Remembering(x), 1.0);
         "check_law" "speeds.start" BELOW, |x| check_law(&law(), x..1.0);
         "check_law" "speeds.end" &[0.1, 0.0], |x| check_law(&law(), 0.1..x);

@@ -24,6 +24,7 @@ pub(crate) fn all() -> Vec<Value> {
     all.extend(cases(include_str!("../data/bristle_cycles.json")));
     all.extend(cases(include_str!("../data/contact_cycles.json")));
     all.extend(cases(include_str!("../data/joint_cycles.json")));
+    all.extend(cases(include_str!("../data/force_cycles.json")));
     all.retain(|case| case.get("multipliers").is_some());
     all
 }
@@ -276,5 +277,5 @@ fn orbits_have_the_reference_numbers() {
         }
     }
     assert!(failures.is_empty(), "{failures:?}");
-    assert_eq!(count, 56);
+    assert_eq!(count, 62);
 }

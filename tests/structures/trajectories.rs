@@ -40,6 +40,11 @@ fn stiff_cases() -> Vec<Value> {
     cases(include_str!("../data/stiff_joint_trajectories.json"))
 }
 
+/// Cases with force elements.
+fn force_cases() -> Vec<Value> {
+    cases(include_str!("../data/force_trajectories.json"))
+}
+
 /// The motion of a case; where a load falls to 0, up to there, with what the error says.
 fn simulate(
     system: &Structure,
@@ -144,6 +149,13 @@ fn stiff_contacts_have_the_reference_events_and_states() {
     assert_eq!(compared, (STIFF_EVENTS, STIFF_STATES));
 }
 
+/// Motions under forces that are not linear in displacements and velocities.
+#[test]
+fn nonlinear_forces_have_the_reference_events_and_states() {
+    let compared = motions_are_right(force_cases(), f64::EPSILON, 8.0 * f64::EPSILON);
+    assert_eq!(compared, (FORCE_EVENTS, FORCE_STATES));
+}
+
 /// A tolerance is the error of the last term of a step, relative to the motion. The errors of some
 /// dozen steps add up, and a vibration may grow: the largest error met is 790 times the tolerance.
 #[test]
@@ -151,6 +163,8 @@ fn loose_tolerances_have_the_reference_events_and_states() {
     for tolerance in [1e-12, 1e-9, 1e-6] {
         let compared = motions_are_right(dry_cases(), tolerance, 1000.0 * tolerance);
         assert_eq!(compared, (EVENTS, STATES));
+        let compared = motions_are_right(force_cases(), tolerance, 1000.0 * tolerance);
+        assert_eq!(compared, (FORCE_EVENTS, FORCE_STATES));
     }
 }
 
@@ -280,6 +294,8 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
 /// with memory; a motion that separates has no state at its end.
 const EVENTS: usize = 1470;
 const STATES: usize = 215;
+const FORCE_EVENTS: usize = 277;
+const FORCE_STATES: usize = 55;
 const STIFF_EVENTS: usize = 652;
 const STIFF_STATES: usize = 80;
 

@@ -1,8 +1,10 @@
 //! The defect of the series of a step: the residuals of the equations of motion between their
 //! coefficients.
 
-use super::contact::ContactData;
+use super::contact::{ContactData, entry};
 use super::contact_series::ContactSeries;
+use super::element::ElementData;
+use super::element_series::ElementSeries;
 use super::model::Model;
 use super::plan::Plan;
 use super::series::Series;
@@ -34,7 +36,8 @@ pub(super) fn is_accepted(
     plan: &Plan,
     h: f64,
 ) -> bool {
-    (0..model.contacts.len()).all(|c| {
+    let elements = std::iter::zip(&model.elements, &series.elements);
+    let contacts = (0..model.contacts.len()).all(|c| {
         if model.contacts[c].is_elastic() {
             // Linear in what is integrated, up to its events.
             return true;
@@ -50,6 +53,57 @@ pub(super) fn is_accepted(
             h,
         };
         step.friction_is_accepted() && step.memory_is_accepted()
+    });
+    let checks = Checks::new(h, plan.unit);
+    // In stick a force is carried, not integrated.
+    let held = |j: usize| {
+        let owner = model.owner[j].filter(|&c| situation.contacts[c].sticks())?;
+        let scale = series.contacts[owner].bound[0].abs().max(plan.sizes[owner]);
+        Some(Allowance::new(plan.tolerance * scale, scale))
+    };
+    contacts
+        && elements
+            .into_iter()
+            .all(|(element, of)| force_is_accepted((element, of), plan, &held, checks))
+}
+
+/// Returns true if the defect of a force element is accepted on each of its coordinates: at the
+/// same places, and about the extrema of its positions and velocities.
+fn force_is_accepted(
+    (element, series): (&ElementData<'_>, &ElementSeries),
+    plan: &Plan,
+    held: &dyn Fn(usize) -> Option<Allowance>,
+    checks: Checks,
+) -> bool {
+    let none = vec![0.0; series.forces.len()];
+    let [mut at_quarters, mut at_extrema, mut between] = [none.clone(), none.clone(), none];
+    for k in 0..checks.count() {
+        let sums = if k == 0 {
+            &mut at_quarters
+        } else {
+            &mut between
+        };
+        series.add_defects(element, checks.group(k), sums);
+    }
+    for along in series.positions.iter().chain(&series.velocities) {
+        for along in [*along, along.scaled(-1.0)] {
+            along.about_minima(checks.h, along.at_some(quarters(checks.h)), &mut |times| {
+                series.add_defects(element, times, &mut at_extrema);
+            });
+        }
+    }
+    let mut coordinates = element.responses.iter().flatten().map(|&(j, _)| j);
+    coordinates.all(|j| {
+        let on_coordinate = |defects: &[f64]| {
+            let forces = std::iter::zip(&element.responses, defects);
+            let parts = forces.map(|(response, defect)| entry(response, j).abs() * defect);
+            parts.sum::<f64>()
+        };
+        let defects = [&at_quarters, &at_extrema, &between].map(|sums| on_coordinate(sums));
+        match held(j) {
+            Some(allowance) => allowance.accepts(defects, 1.0),
+            None => plan.coordinates[j].accepts(defects, checks.h),
+        }
     })
 }
 

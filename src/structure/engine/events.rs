@@ -4,6 +4,7 @@
 use super::contact_series::ContactSeries;
 use super::edge::Edge;
 use super::model::Model;
+use super::passages::{Passage, first_passage};
 use super::plan::Plan;
 use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};
@@ -16,8 +17,14 @@ use crate::state::structure::State;
 /// together: rounding can separate the events of mirrored masses by this distance.
 const TOGETHER: f64 = 4.0;
 
-/// Time and reason with which each contact ends the step, if it does.
-pub(super) type Firings = Vec<Option<(f64, Firing)>>;
+/// What ends a step.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Firings {
+    /// Time and reason with which each contact ends the step, if it does.
+    pub(super) contacts: Vec<Option<(f64, Firing)>>,
+    /// The breakpoint that each force element passes at the end of the step, if it does.
+    pub(super) passages: Vec<Option<Passage>>,
+}
 
 /// The first time in (0, h] of an event, or h; stores the contacts of the event. An event within
 /// rounding of a break of a drive is attributed to the break: the next piece of the drive decides
@@ -32,7 +39,8 @@ pub(super) fn first_firings(
     let elapsed = situation.clock.time.abs();
     let slack = |end: f64| TOGETHER * f64::EPSILON * (elapsed + end);
     let mut end = h;
-    firings.clear();
+    firings.contacts.clear();
+    firings.passages.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
         let limit = if end < h { h.min(end + slack(end)) } else { h };
         let (state, series) = (&situation.contacts[c], &series.contacts[c]);
@@ -40,10 +48,22 @@ pub(super) fn first_firings(
         if let Some((time, _)) = firing {
             end = end.min(time);
         }
-        firings.push(firing);
+        firings.contacts.push(firing);
     }
-    for firing in firings.iter_mut() {
+    let elements = std::iter::zip(&situation.elements, &series.elements);
+    for (element, (state, of)) in std::iter::zip(&model.elements, elements) {
+        let limit = if end < h { h.min(end + slack(end)) } else { h };
+        let passage = first_passage(element, state, of, limit)?;
+        if let Some(passage) = passage {
+            end = end.min(passage.time);
+        }
+        firings.passages.push(passage);
+    }
+    for firing in &mut firings.contacts {
         *firing = firing.filter(|&(time, _)| time <= end + slack(end));
+    }
+    for passage in &mut firings.passages {
+        *passage = passage.filter(|passage| passage.time <= end + slack(end));
     }
     if to_break <= end + slack(end) {
         end = end.max(to_break);
@@ -169,7 +189,7 @@ pub(super) fn go_through(
     plan: &Plan,
     firings: &Firings,
 ) -> bool {
-    firings.iter().enumerate().all(|(c, firing)| {
+    firings.contacts.iter().enumerate().all(|(c, firing)| {
         let contact = &model.contacts[c];
         if contact.is_elastic() {
             return true;

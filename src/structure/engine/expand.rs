@@ -6,36 +6,15 @@ use super::alone::{expand_alone, slips_alone};
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
+use super::elements::force_fault;
+use super::fault::LawFault;
 use super::groups::Waves;
 use super::model::{Model, Target};
 use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
-use crate::error::{Error, Reached};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
-
-/// The fault of a law that returns NaN, an infinity or no series.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum LawFault {
-    NonFinite { speed: f64, value: f64 },
-    NotAnalytic { speed: f64 },
-}
-
-impl LawFault {
-    /// The error for this fault.
-    pub(super) fn at(self, reached: Reached) -> Error {
-        let reached = Some(reached);
-        match self {
-            Self::NonFinite { speed, value } => Error::NonFiniteFriction {
-                speed,
-                value,
-                reached,
-            },
-            Self::NotAnalytic { speed } => Error::NotAnalytic { speed, reached },
-        }
-    }
-}
 
 /// The series of every drive that varies, from the time of the clock on.
 pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &mut Series) {
@@ -54,6 +33,7 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
                 contact.load = load.scaled(model.contacts[c].compliance);
                 contact.drive_load = contact.load;
             }
+            Target::Factor(e) => series.elements[e].factor = model.drive(target).series(clock),
         }
     }
     if !forces_vary {
@@ -88,7 +68,8 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// near masses only, a group of masses is therefore expanded to the last order before the next
 /// group begins, so that the data of a group stay in the processor's cache. In each order the
 /// group is shifted to masses whose neighbours are complete. Contacts that share coordinates, and
-/// springs of contacts, couple all masses: each order is then computed for all masses at once.
+/// springs of contacts and force elements, couple all masses: each order is then computed for all
+/// masses at once.
 ///
 /// Simple cases are computed by faster code, with the same result to rounding: `alone.rs` computes
 /// a single coordinate that slips while all others are held, `groups.rs` several coordinates.
@@ -129,7 +110,8 @@ pub(super) fn expand_further(
 
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
-    let are_apart = model.shared.is_empty() && model.springs.is_empty();
+    let are_apart =
+        model.shared.is_empty() && model.springs.is_empty() && model.elements.is_empty();
     if are_apart
         && orders.end == ALL
         && let Some([i, c]) = slips_alone(model, series)
@@ -280,7 +262,7 @@ const AT_A_TIME: usize = 16;
 
 fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
-    contacts.into_iter().find_map(|(state, series)| {
+    let of_friction = contacts.into_iter().find_map(|(state, series)| {
         // The law gives the memory after an event.
         if let Some(&value) = state.memory.iter().find(|z| !z.is_finite()) {
             let speed = state.speed();
@@ -297,7 +279,8 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
         } else {
             None
         }
-    })
+    });
+    of_friction.or_else(|| force_fault(series))
 }
 
 /// Order 0 of the unknowns, and the mode of every contact.
@@ -336,6 +319,9 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
                 series[0] = *memory;
             }
         }
+    }
+    for (of, state) in std::iter::zip(&mut series.elements, &situation.elements) {
+        of.piece = state.piece;
     }
     for &c in &model.springs {
         series.contacts[c].guided = None;

@@ -26,7 +26,17 @@ pub(crate) struct Instant {
     pub(crate) accelerations: Vec<f64>,
     /// f of each coordinate.
     pub(crate) forces: Vec<f64>,
+    pub(crate) elements: Vec<AtElement>,
     pub(crate) contacts: Vec<AtContact>,
+}
+
+/// The force of an element.
+#[derive(Debug, Clone)]
+pub(crate) struct AtElement {
+    /// D and D'.
+    pub(crate) factor: [f64; 2],
+    /// F_i.
+    pub(crate) forces: Vec<f64>,
 }
 
 /// Forces at one contact: 0 while it is open, except for velocities.
@@ -41,6 +51,16 @@ pub(crate) struct AtContact {
     pub(crate) surface: f64,
     /// w'.
     surface_rate: f64,
+}
+
+impl AtElement {
+    /// D F_i.
+    pub(crate) fn scaled(&self) -> Vec<f64> {
+        self.forces
+            .iter()
+            .map(|force| self.factor[0] * force)
+            .collect()
+    }
 }
 
 impl<'a, 's> Forces<'a, 's> {
@@ -86,6 +106,17 @@ impl<'a, 's> Forces<'a, 's> {
             driven + model.restoring(i, [q[i], v[i]], |j| q[j], |j| v[j])
         });
         let mut accelerations: Vec<f64> = free.collect();
+        let elements = model.elements.iter().map(|element| {
+            let factor = drive(&element.factor);
+            let forces = element.forces(|j| q[j], |j| v[j]);
+            for (force, response) in std::iter::zip(&forces, &element.responses) {
+                for &(j, x) in response {
+                    accelerations[j] -= x * (factor[0] * force);
+                }
+            }
+            AtElement { factor, forces }
+        });
+        let elements: Vec<AtElement> = elements.collect();
         let numbers = model.contacts.iter().enumerate();
         let mut contacts: Vec<AtContact> = numbers
             .map(|(c, contact)| {
@@ -118,6 +149,7 @@ impl<'a, 's> Forces<'a, 's> {
             state,
             accelerations,
             forces,
+            elements,
             contacts,
         }
     }

@@ -11,7 +11,8 @@
 //! |---|---|
 //! | `model.rs`, `sparse.rs` | data that are constant in a motion |
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
-//! | `series.rs` | the data of one step; those of a coordinate `coordinate_series.rs`, of a contact `contact_series.rs` |
+//! | `series.rs` | the data of one step; those of a coordinate `coordinate_series.rs`, of a contact `contact_series.rs`, of a force element `element_series.rs` |
+//! | `fault.rs` | faults of laws |
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
 //! | `groups.rs` | those of contacts under constant loads, four side by side |
@@ -20,6 +21,7 @@
 //! | `instant.rs` | forces and accelerations at any time within a step |
 //! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
 //! | `springs.rs` | elastic contacts, and normal springs |
+//! | `elements.rs`, `passages.rs` | force elements; where pieces of their laws meet |
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
@@ -38,14 +40,19 @@ mod coordinate_series;
 mod coupling;
 mod defect;
 mod edge;
+pub(crate) mod element;
+mod element_series;
+mod elements;
 mod events;
 mod expand;
 pub(crate) mod factor;
+mod fault;
 mod groups;
 pub(crate) mod instant;
 pub(crate) mod model;
 pub(crate) mod modes;
 mod modes_after;
+mod passages;
 mod plan;
 mod reconcile;
 mod series;
@@ -63,6 +70,7 @@ use std::sync::Arc;
 pub(crate) use check_start::check_sizes;
 pub(super) use check_start::check_start;
 use edge::{Edge, side_of};
+use elements::singular_force;
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
 use model::Model;
@@ -113,7 +121,7 @@ impl<'s> Engine<'s> {
             situation: Situation::new(&model, clock, start),
             series: Series::new(&model, clock.time),
             control: Control::new(tolerance, &model),
-            firings: Firings::with_capacity(model.contacts.len()),
+            firings: Firings::default(),
             modes: Arc::default(),
             idle: 0,
             ending: None,
@@ -433,7 +441,10 @@ impl<'s> Engine<'s> {
                 }
             }
         }
-        Error::StepUnderflow { step, reached }
+        match singular_force(&self.model, &self.series) {
+            Some(fault) => fault.at(reached),
+            None => Error::StepUnderflow { step, reached },
+        }
     }
 }
 

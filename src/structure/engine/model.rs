@@ -7,6 +7,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::contact::{ContactData, Entries, Site, entry};
+use super::element::ElementData;
 use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
@@ -17,7 +18,8 @@ use crate::numerics::sort::sort_by;
 /// The data that are constant in a motion.
 ///
 /// ```text
-/// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_c x_c ℓ_c,    x_c = M⁻¹b_c/G_cc,  ℓ_c = G_cc λ_c
+/// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_e D_e M⁻¹a_e F_e − Σ_c x_c ℓ_c
+/// x_c = M⁻¹b_c/G_cc,  ℓ_c = G_cc λ_c
 /// ```
 ///
 /// G_cc = b_cᵀM⁻¹b_c: all forces are expressed as accelerations; forces at a contact are
@@ -36,6 +38,7 @@ pub(crate) struct Model<'s> {
     pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
+    pub(crate) elements: Vec<ElementData<'s>>,
     /// Number of memory variables of all contacts.
     remembered: usize,
     /// The number of the contact that a coordinate has to itself.
@@ -47,7 +50,7 @@ pub(crate) struct Model<'s> {
     pub(crate) shared_coordinates: Vec<usize>,
     /// Contacts with a spring: elastic ones, and those with a normal spring.
     pub(super) springs: Vec<usize>,
-    /// The coordinates that these springs accelerate, ascending.
+    /// The coordinates that these springs, and force elements, accelerate, ascending.
     pub(super) sprung: Vec<usize>,
     /// The targets of the drives that vary.
     pub(super) varying: Vec<Target>,
@@ -57,7 +60,8 @@ pub(crate) struct Model<'s> {
     pub(super) bandwidth: usize,
     /// 1/√(max_i Σ_j |M⁻¹K|_ij): no free vibration without friction is faster than one radian in
     /// this time. Without springs it is computed from the dampers; without dampers it is infinite.
-    /// Springs of contacts are not included: see [`time_unit_with`](Self::time_unit_with).
+    /// Springs of contacts and force elements are not included: see
+    /// [`time_unit_with`](Self::time_unit_with).
     pub(super) time_unit: f64,
     /// The time in which the fastest drive advances by one radian; infinite without harmonics.
     pub(super) drive_unit: f64,
@@ -79,6 +83,8 @@ pub(super) enum Target {
     Surface(usize),
     /// The load of a contact.
     Load(usize),
+    /// The factor of a force element.
+    Factor(usize),
 }
 
 impl<'s> Model<'s> {
@@ -96,6 +102,7 @@ impl<'s> Model<'s> {
             [&one(1.0), &one(2.0 * belt.damping())],
             Cow::Owned(vec![Drive::constant(0.0)]),
             vec![contact],
+            Vec::new(),
         )
     }
 
@@ -105,6 +112,7 @@ impl<'s> Model<'s> {
         [stiffness, damping]: [&DMatrix<f64>; 2],
         forces: Cow<'s, [Drive]>,
         contacts: Vec<ContactData<'s>>,
+        elements: Vec<ElementData<'s>>,
     ) -> Self {
         let n = stiffness.nrows();
         let inverse_mass = match mass {
@@ -121,6 +129,7 @@ impl<'s> Model<'s> {
             damping,
             forces,
             contacts,
+            elements,
             remembered: 0,
             owner: vec![None; n],
             shared: Vec::new(),
@@ -208,7 +217,7 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// Finds which coordinates the springs of contacts act on.
+    /// Finds which coordinates the springs of contacts and force elements act on.
     fn place_springs(&mut self) {
         let contacts = self.contacts.iter().enumerate();
         let with_spring =
@@ -224,14 +233,26 @@ impl<'s> Model<'s> {
             pulled.iter().chain(&contact.reaction).map(|&(j, _)| j)
         };
         self.sprung = self.springs.iter().flat_map(of).collect();
+        for element in &mut self.elements {
+            let directions = element.directions.iter();
+            let responses = directions.map(|a| responses_to(&self.inverse_mass, a));
+            element.responses = responses.collect();
+            let pulled = element.responses.iter().flatten();
+            self.sprung.extend(pulled.map(|&(j, _)| j));
+        }
         self.sprung.sort_unstable();
         self.sprung.dedup();
     }
 
-    /// The time unit with the springs of contacts that act: tangential ones of those that stick,
-    /// normal ones of those that are closed.
-    pub(super) fn time_unit_with(&self, mode: impl Fn(usize) -> Mode) -> f64 {
-        if self.springs.is_empty() {
+    /// The time unit with the springs of contacts that act (tangential ones of those that stick,
+    /// normal ones of those that are closed), and with the tangent stiffnesses ∂F_i/∂x_j of force
+    /// elements.
+    pub(super) fn time_unit_with<'t>(
+        &self,
+        mode: impl Fn(usize) -> Mode,
+        tangents: impl Fn(usize) -> &'t [Vec<f64>],
+    ) -> f64 {
+        if self.sprung.is_empty() {
             return self.time_unit;
         }
         let mut sums: Vec<f64> = row_sums(&self.stiffness).collect();
@@ -248,6 +269,23 @@ impl<'s> Model<'s> {
             if mode(c) != Mode::Open {
                 let gradient = contact.load_gradient.iter().map(|(_, n)| n.abs());
                 add(&contact.reaction, gradient.sum());
+            }
+        }
+        for (e, element) in self.elements.iter().enumerate() {
+            let factor = element.factor.size();
+            for (direction, slopes) in std::iter::zip(element.directions, tangents(e)) {
+                let size = factor * direction.iter().map(|(_, a)| a.abs()).sum::<f64>();
+                for (response, slope) in std::iter::zip(&element.responses, slopes) {
+                    // A slope that is not finite is an error of the law, found elsewhere.
+                    let stiffness = if slope.is_finite() {
+                        size * slope.abs()
+                    } else {
+                        0.0
+                    };
+                    for &(j, x) in response {
+                        sums[j] += x.abs() * stiffness;
+                    }
+                }
             }
         }
         let elastic = largest(sums.into_iter());
@@ -281,7 +319,8 @@ impl<'s> Model<'s> {
         let of_forces = (0..self.len()).map(Target::Force);
         let contacts = 0..self.contacts.len();
         let of_contacts = contacts.flat_map(|c| [Target::Surface(c), Target::Load(c)]);
-        let targets = of_forces.chain(of_contacts);
+        let of_elements = (0..self.elements.len()).map(Target::Factor);
+        let targets = of_forces.chain(of_contacts).chain(of_elements);
         self.varying = targets
             .filter(|&target| !self.drive(target).is_constant())
             .collect();
@@ -301,7 +340,7 @@ impl<'s> Model<'s> {
                         self.is_driven[i] = true;
                     }
                 }
-                Target::Load(_) => {}
+                Target::Load(_) | Target::Factor(_) => {}
             }
         }
         for &j in &self.sprung {
@@ -351,6 +390,7 @@ impl<'s> Model<'s> {
             Target::Force(i) => &self.forces[i],
             Target::Surface(c) => &self.contacts[c].belt_velocity,
             Target::Load(c) => &self.contacts[c].load,
+            Target::Factor(e) => &self.elements[e].factor,
         }
     }
 

@@ -9,6 +9,7 @@
 use super::contact::ContactData;
 use super::coordinate_series::ALL;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
+use super::elements::revise_pieces;
 use super::expand::{expand, expand_further};
 use super::model::Model;
 use super::reconcile::hold_left_out;
@@ -59,8 +60,9 @@ fn decide_modes(
     for c in 0..situation.contacts.len() {
         arrive(model, situation, c);
     }
-    // Each round except the last changes a contact: its load, its band, or its piece of the law.
-    for _ in 0..=4 * situation.contacts.len() {
+    // Each round except the last changes a contact (its load, its band, or its piece of the law) or
+    // the piece of an element.
+    for _ in 0..=4 * (situation.contacts.len() + situation.elements.len()) {
         if let Some(decision) = &mut decision {
             decision.settle(model, situation, series)?;
         }
@@ -98,7 +100,7 @@ fn revise(
     decision: &mut Option<Decision>,
     may_jump: bool,
 ) -> Result<bool, Error> {
-    let mut changed = false;
+    let mut changed = revise_pieces(model, situation, series);
     for c in 0..situation.contacts.len() {
         let change = series.contacts[c].load_varies && revise_load(model, situation, series, c)?;
         // If a load jumps, the force of a spring jumps with it.

@@ -1,11 +1,12 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
 use super::coordinate_series::DisplacementSeries;
+use super::element_series::ElementSeries;
 use super::model::Model;
 use super::series::Series;
 use super::sizes::{load_terms, terms};
 use super::state::{Phase, Situation};
-use crate::motion::step_control::{Allowance, FARTHEST, reach};
+use crate::motion::step_control::{Allowance, FARTHEST, reach, root_of_ratio};
 use crate::series::{PowerSeries, TERMS};
 
 /// Largest time, in lengths of a step, over which the change of a velocity is used as its scale.
@@ -89,6 +90,7 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
                     series.surface.is_constant() && forces.iter().all(|c| c.is_linear())
                 }
             })
+        && series.elements.iter().all(ElementSeries::rests)
 }
 
 /// Returns true if all coefficients of all series are finite.
@@ -183,6 +185,10 @@ fn plan_within(
     within: f64,
     plan: &mut Plan,
 ) -> f64 {
+    let reaches = Reach {
+        tolerance,
+        has_gaps: !model.elements.is_empty(),
+    };
     plan.within = within;
     let scales = &mut plan.scales;
     // For a mass at rest, the scale is the velocity that other masses will give it.
@@ -217,7 +223,7 @@ fn plan_within(
             error = error.max(f64::EPSILON * within * terms);
         }
         let allowance = Allowance::new(error, terms);
-        farthest = farthest.min(motion.reach(allowance.error));
+        farthest = farthest.min(motion.reach(reaches, allowance.error));
         plan.coordinates.push(allowance);
     }
     plan.contacts.clear();
@@ -232,16 +238,16 @@ fn plan_within(
                 0.0
             };
             let scale = state.memory[0].abs().max(by_motion);
-            farthest = farthest.min(reach_of(tolerance * scale, &of.carried, TERMS - 1));
+            farthest = farthest.min(reaches.of(tolerance * scale, &of.carried, TERMS - 1));
             if let Phase::Slip { .. } = state.phase {
                 // At present no force depends on the surface's velocity, but the stop of the slider
                 // will.
                 let error = tolerance * velocity.max(of.speeds[0].abs());
-                farthest = farthest.min(reach_of(error, &of.speeds, TERMS - 2));
+                farthest = farthest.min(reaches.of(error, &of.speeds, TERMS - 2));
             }
             if of.load_varies {
                 let error = tolerance * load_terms(contact, situation);
-                farthest = farthest.min(reach_of(error, &of.load, TERMS - 1));
+                farthest = farthest.min(reaches.of(error, &of.load, TERMS - 1));
             }
             plan.contacts.push(Allowance::new(0.0, 0.0));
             plan.sizes.push(0.0);
@@ -271,21 +277,21 @@ fn plan_within(
             }
         };
         if let (Phase::Slip { .. }, None) = (state.phase, owner) {
-            farthest = farthest.min(reach_of(allowance.error, &of.speeds, TERMS - 1));
+            farthest = farthest.min(reaches.of(allowance.error, &of.speeds, TERMS - 1));
         }
         if state.sticks() {
             // The last coefficient of the force would need one more coefficient of the velocities.
             let error = tolerance * of.bound[0].abs().max(size);
-            farthest = farthest.min(reach_of(error, &of.carried, TERMS - 2));
-            farthest = farthest.min(reach_of(error, &of.bound, TERMS - 2));
+            farthest = farthest.min(reaches.of(error, &of.carried, TERMS - 2));
+            farthest = farthest.min(reaches.of(error, &of.bound, TERMS - 2));
         }
         if of.load_varies {
             let error = tolerance * load_terms(contact, situation);
-            farthest = farthest.min(reach_of(error, &of.load, TERMS - 2));
+            farthest = farthest.min(reaches.of(error, &of.load, TERMS - 2));
         }
         for (series, memory) in std::iter::zip(&of.memories, &state.memory) {
             let scale = memory.abs().max(series[1].abs() * farthest.min(f64::MAX));
-            farthest = farthest.min(reach_of(tolerance * scale, series, TERMS - 1));
+            farthest = farthest.min(reaches.of(tolerance * scale, series, TERMS - 1));
         }
         plan.contacts.push(allowance);
         plan.sizes.push(size);
@@ -368,8 +374,8 @@ impl CoordinateMotion<'_> {
         }
     }
 
-    fn reach(&self, error: f64) -> f64 {
-        let of = |series| reach_of(error, series, TERMS - 1);
+    fn reach(&self, reaches: Reach, error: f64) -> f64 {
+        let of = |series| reaches.of(error, series, TERMS - 1);
         match self {
             Self::Free(motion) => of(&motion.velocities()),
             Self::Slips(speeds, surface) => of(speeds).min(of(surface)),
@@ -387,7 +393,8 @@ fn time_unit(
     series: &Series,
     scales: &[(f64, f64)],
 ) -> f64 {
-    let of_springs = model.time_unit_with(|c| situation.contacts[c].mode());
+    let tangents = |e: usize| &series.elements[e].tangents[..];
+    let of_springs = model.time_unit_with(|c| situation.contacts[c].mode(), tangents);
     if of_springs.is_finite() {
         return of_springs;
     }
@@ -479,13 +486,36 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
     }
 }
 
-/// The reach of a series; infinite if it ends before its last terms, even if no error is allowed
-/// because nothing moves.
-#[inline(always)]
-fn reach_of(error: f64, c: &PowerSeries, n: usize) -> f64 {
-    if c[n] == 0.0 && c[n - 1] == 0.0 {
-        f64::INFINITY
-    } else {
-        reach(error, c, n)
+/// How far series reach.
+#[derive(Clone, Copy)]
+struct Reach {
+    tolerance: f64,
+    /// True if there are force elements. A series whose last terms are 0 is then no polynomial:
+    /// that of x'' = −x⁶ from x = 0 has every seventh term only.
+    has_gaps: bool,
+}
+
+impl Reach {
+    /// The reach of a series; infinite if it ends before its last terms, even if no error is
+    /// allowed because nothing moves.
+    #[inline(always)]
+    fn of(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
+        if self.has_gaps {
+            self.over_gaps(error, c, n)
+        } else if c[n] == 0.0 && c[n - 1] == 0.0 {
+            f64::INFINITY
+        } else {
+            reach(error, c, n)
+        }
+    }
+
+    /// The reach by the least radius of convergence that the last terms show.
+    #[inline(never)]
+    fn over_gaps(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
+        /// Number of the last terms of which one at least is not 0 in a series with gaps.
+        const LAST: usize = 8;
+        let radii = (n + 1 - LAST..=n).filter(|&k| c[k] != 0.0);
+        let radii = radii.map(|k| root_of_ratio(error / self.tolerance, c[k].abs(), k));
+        root_of_ratio(self.tolerance, 1.0, n) * radii.fold(f64::INFINITY, f64::min)
     }
 }

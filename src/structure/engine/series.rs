@@ -2,6 +2,7 @@
 
 use super::contact_series::ContactSeries;
 use super::coordinate_series::CoordinateSeries;
+use super::element_series::ElementSeries;
 use super::groups::Groups;
 use super::model::Model;
 use crate::friction::slip::Expander;
@@ -12,9 +13,11 @@ use crate::series::PowerSeries;
 pub(super) struct Series {
     pub(super) coordinates: Vec<CoordinateSeries>,
     pub(super) contacts: Vec<ContactSeries>,
-    /// The given forces on coordinates with springs of contacts, divided by the mass.
+    pub(super) elements: Vec<ElementSeries>,
+    /// The given forces on coordinates with springs of contacts or force elements, divided by the
+    /// mass.
     pub(super) given: Vec<PowerSeries>,
-    /// The sizes of the forces of springs on these coordinates at the start.
+    /// The sizes of the forces of these springs and elements at the start.
     pub(super) spring_sizes: Vec<f64>,
     /// Room for one order of the shared coordinates and contacts.
     pub(super) rates: Vec<f64>,
@@ -22,7 +25,8 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    /// Present if all loads are constant and no contact has a normal spring: none opens.
+    /// Present if all loads are constant, no contact has a normal spring, so that none opens, and
+    /// there are no force elements.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -36,16 +40,21 @@ impl Series {
             .contacts
             .iter()
             .any(|contact| !contact.reaction.is_empty());
-        let is_simple = !has_springs && contacts.iter().all(|of| !of.load_varies);
+        let is_simple =
+            !has_springs && model.elements.is_empty() && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(PowerSeries::of(force))
         });
         let coordinates: Vec<CoordinateSeries> = coordinates.collect();
+        let elements = model.elements.iter();
         let given = model.sprung.iter().map(|&j| coordinates[j].force);
         Self {
             given: given.collect(),
             spring_sizes: vec![0.0; model.sprung.len()],
+            elements: elements
+                .map(|element| ElementSeries::new(element, time))
+                .collect(),
             coordinates,
             contacts,
             rates: vec![0.0; model.len()],

@@ -17,6 +17,7 @@ use super::contact::ContactData;
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::CoordinateSeries;
 use super::edge::{EDGE_ROUNDING, Edge, deciding, side_of};
+use super::elements::element_order;
 use super::factor::ROUNDING;
 use super::model::Model;
 use super::series::Series;
@@ -25,7 +26,7 @@ use super::state::{Entry, Phase, Situation};
 use crate::series::INTEGRAL;
 use crate::state::Direction;
 
-/// Order k of the forces of all springs, and k + 1 of what they carry.
+/// Order k of the forces of all springs and force elements, and k + 1 of what springs carry.
 pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
     for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
         series.coordinates[j].force[k] = given[k];
@@ -47,28 +48,35 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
             }
         }
     }
+    element_order(model, series, k);
     if k == 0 {
         note_sizes(model, series);
     }
 }
 
-/// Notes the sizes of the forces of all springs at the start, for rounding errors.
+/// Notes the sizes of the forces of all springs and elements at the start, for rounding errors.
 fn note_sizes(model: &Model<'_>, series: &mut Series) {
     let Series {
         contacts,
+        elements,
         spring_sizes,
         ..
     } = series;
     spring_sizes.fill(0.0);
+    let mut note = |entries: &[(usize, f64)], force: f64| {
+        for (j, x) in entries {
+            if let Ok(place) = model.sprung.binary_search(j) {
+                spring_sizes[place] += (x * force).abs();
+            }
+        }
+    };
+    for (element, of) in std::iter::zip(&model.elements, elements) {
+        for (response, size) in std::iter::zip(&element.responses, of.sizes(element)) {
+            note(response, size);
+        }
+    }
     for &c in &model.springs {
         let (contact, of) = (&model.contacts[c], &contacts[c]);
-        let mut note = |entries: &[(usize, f64)], force: f64| {
-            for (j, x) in entries {
-                if let Ok(place) = model.sprung.binary_search(j) {
-                    spring_sizes[place] += (x * force).abs();
-                }
-            }
-        };
         if contact.is_elastic() {
             note(contact.responses(), of.carried[0]);
         }

@@ -4,6 +4,7 @@ use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::{Holding, Pivot};
 use super::model::Model;
+use super::passages::ElementState;
 use super::series::Series;
 use crate::clock::Clock;
 use crate::error::{Error, Reached};
@@ -20,6 +21,7 @@ pub(super) struct Situation {
     pub(super) clock: Clock,
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) contacts: Vec<ContactState>,
+    pub(super) elements: Vec<ElementState>,
     /// The shared contacts that stick, in the order of [`Model::shared`], and what holds them.
     pub(super) holding: Holding,
     /// The elastic contacts whose directions depend on these, each with its parts α in
@@ -143,10 +145,15 @@ impl Situation {
                 memory,
             }
         });
+        let elements = model.elements.iter().map(|element| {
+            let positions = element.along(|j| start.displacements[j]);
+            ElementState::at(element, positions[0])
+        });
         Self {
             clock,
             coordinates: coordinates.collect(),
             contacts: contacts.collect(),
+            elements: elements.collect(),
             holding: Holding::default(),
             guided: Vec::new(),
             closed: None,

@@ -45,7 +45,12 @@ pub(super) fn land(
     } else {
         Disturbance::None
     };
-    for (c, firing) in firings.iter_mut().enumerate() {
+    for (state, passage) in std::iter::zip(&mut situation.elements, &firings.passages) {
+        if h > 0.0 || passage.is_some() {
+            state.land(*passage);
+        }
+    }
+    for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
         series.contacts[c].relaxation = 0.0;
         // Otherwise nothing has changed for this contact since it decided.

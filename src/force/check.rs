@@ -1,0 +1,77 @@
+use super::object::{ForceObject, Place};
+use crate::error::Error;
+use crate::friction::check::JUMP;
+
+/// Checks the rules on which a structure relies: the breakpoints ascend, the force is continuous
+/// there, and the slope of the potential is the force at rest.
+pub(crate) fn validate(law: &dyn ForceObject) -> Result<(), Error> {
+    let breakpoints = law.breakpoints();
+    let mut last = f64::NEG_INFINITY;
+    for (index, &value) in breakpoints.iter().enumerate() {
+        let is_allowed = value.is_finite() && value > last;
+        if !(is_allowed && is_continuous(law, index, value)) {
+            return Err(Error::BadBreakpoints { index, value });
+        }
+        last = value;
+    }
+    let unit = breakpoints
+        .iter()
+        .fold(0.0, |unit: f64, b| unit.max(b.abs()));
+    let unit = if unit > 0.0 { unit } else { 1.0 };
+    (0..PARTS.len()).try_for_each(|shift| {
+        let positions = (0..law.count()).map(|i| unit * PARTS[(shift + 2 * i) % PARTS.len()]);
+        check_potential(law, &breakpoints, &positions.collect::<Vec<_>>())
+    })
+}
+
+/// Positions at which a potential is compared with its force, in units of the largest breakpoint.
+const PARTS: [f64; 5] = [-1.7, -0.6, 0.1, 0.4, 1.3];
+
+/// Velocities at which the pieces of a law are compared.
+const VELOCITIES: [f64; 3] = [0.0, 1.0, -1.0];
+
+/// Returns true if the pieces that meet at a breakpoint agree there, relative to the change of the
+/// force over the distance of the breakpoint from 0.
+fn is_continuous(law: &dyn ForceObject, index: usize, value: f64) -> bool {
+    VELOCITIES.iter().all(|&velocity| {
+        let [below, above] = [index, index + 1].map(|piece| {
+            let place = Place {
+                positions: &[value],
+                velocities: &[velocity],
+                piece,
+            };
+            let slope = law.slopes(place, 0)[0];
+            (law.forces(place)[0], (slope * value).abs())
+        });
+        let scale = below.0.abs().max(below.1).max(above.1);
+        (below.0 - above.0).abs() <= JUMP * scale
+    })
+}
+
+/// Compares ∂U/∂x_i with F_i where F_i is finite.
+fn check_potential(
+    law: &dyn ForceObject,
+    breakpoints: &[f64],
+    positions: &[f64],
+) -> Result<(), Error> {
+    let zeros = vec![0.0; positions.len()];
+    let place = Place {
+        positions,
+        velocities: &zeros,
+        piece: breakpoints.partition_point(|b| *b <= positions[0]),
+    };
+    let Some(energy) = law.potential(place) else {
+        return Ok(());
+    };
+    for (i, (force, x)) in std::iter::zip(law.forces(place), positions).enumerate() {
+        let slope = law.potential_slope(place, i).unwrap_or(f64::NAN);
+        if !force.is_finite() {
+            continue;
+        }
+        let scale = force.abs().max((energy / x).abs());
+        let agrees = energy.is_finite() && (slope - force).abs() <= JUMP * scale;
+        let allowed = "the force at rest: F = dU/dx";
+        Error::check("ForceLaw", "slope of the potential", slope, agrees, allowed)?;
+    }
+    Ok(())
+}

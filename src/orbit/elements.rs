@@ -1,0 +1,93 @@
+//! Force elements in the variational equations.
+//!
+//! ```text
+//! M δv' = … − Σ_i a_i D Σ_j (∂F_i/∂x_j a_j·δq + ∂F_i/∂y_j a_j·δv)
+//! ```
+//!
+//! The forces are continuous, and passages of breakpoints change their slopes only: the saltation
+//! matrix of a passage is S = I.
+
+use super::coefficient::{Coefficient, product};
+use crate::force::object::Place;
+use crate::motion::Segment;
+use crate::series::{INTEGRAL, PowerSeries, TERMS};
+use crate::structure::Step;
+use crate::structure::engine::element::ElementData;
+
+/// The derivatives of one element along a step: D ∂F_i/∂x_j, then D ∂F_i/∂y_j, a list over i for
+/// each j.
+#[derive(Debug, Clone)]
+pub(super) struct ElementDerivatives(pub(super) Vec<Vec<Coefficient>>);
+
+impl ElementDerivatives {
+    pub(super) fn of(element: &ElementData<'_>, step: &Step) -> Self {
+        let along = Along::of(element, step);
+        let factor = element.factor.series(step.clock());
+        let by = |by: usize| {
+            let slopes = element.law.derivative(along.place(), by);
+            let slopes = slopes.iter().map(|slope| product(&factor, slope).into());
+            slopes.collect()
+        };
+        Self((0..2 * element.directions.len()).map(by).collect())
+    }
+
+    /// The rate of each D F_i at the end of a step.
+    pub(super) fn rates(element: &ElementData<'_>, step: &Step) -> Vec<f64> {
+        let factor = element.factor.series(step.clock());
+        let forces = element.law.series(Along::of(element, step).place());
+        let rates = forces.iter();
+        rates
+            .map(|force| product(&factor, force).slope_at(step.duration()))
+            .collect()
+    }
+
+    /// The same, as series about a later time.
+    pub(super) fn shifted(&self, time: f64) -> Self {
+        let lists = self.0.iter().map(|list| {
+            let list = list.iter().map(|of| of.shifted(time));
+            list.collect()
+        });
+        Self(lists.collect())
+    }
+}
+
+/// The positions and velocities of an element along a step.
+struct Along {
+    positions: Vec<PowerSeries>,
+    velocities: Vec<PowerSeries>,
+    piece: usize,
+}
+
+impl Along {
+    fn of(element: &ElementData<'_>, step: &Step) -> Self {
+        let start = element.along(|j| step.state().displacements[j]);
+        let series = |k: usize| element.along(|j| step.series().get(j).map_or(0.0, |v| v[k]));
+        let mut velocities = vec![PowerSeries::ZERO; start.len()];
+        for k in 0..TERMS {
+            for (velocity, coefficient) in std::iter::zip(&mut velocities, series(k)) {
+                velocity[k] = coefficient;
+            }
+        }
+        let positions = std::iter::zip(start, &velocities).map(|(start, velocity)| {
+            PowerSeries::from_fn(|k| match k {
+                0 => start,
+                _ => velocity[k - 1] * INTEGRAL[k - 1],
+            })
+        });
+        let positions: Vec<PowerSeries> = positions.collect();
+        let piece = element.piece_above(positions[0].at(0.5 * step.duration()));
+        Self {
+            positions,
+            velocities,
+            piece,
+        }
+    }
+
+    fn place(&self) -> Place<'_, PowerSeries> {
+        Place {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            piece: self.piece,
+        }
+    }
+}

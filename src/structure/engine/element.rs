@@ -1,0 +1,90 @@
+//! The constant data of a force element.
+
+use std::sync::Arc;
+
+use super::contact::Entries;
+use crate::drive::Drive;
+use crate::force::object::{ForceObject, Place};
+
+/// The constant data of a force element.
+#[derive(Clone)]
+pub(crate) struct ElementData<'s> {
+    /// a_i.
+    pub(crate) directions: &'s [Vec<(usize, f64)>],
+    /// M⁻¹a_i.
+    pub(crate) responses: Vec<Vec<(usize, f64)>>,
+    pub(crate) law: &'s dyn ForceObject,
+    /// D.
+    pub(crate) factor: Arc<Drive>,
+    /// Positions at which pieces of the law meet.
+    pub(crate) breakpoints: Vec<f64>,
+}
+
+impl<'s> ElementData<'s> {
+    pub(crate) fn new(
+        directions: &'s [Vec<(usize, f64)>],
+        law: &'s dyn ForceObject,
+        factor: Arc<Drive>,
+    ) -> Self {
+        Self {
+            directions,
+            responses: Vec::new(),
+            law,
+            factor,
+            breakpoints: law.breakpoints(),
+        }
+    }
+
+    /// a_i·x of each direction.
+    pub(crate) fn along(&self, x: impl Fn(usize) -> f64) -> Vec<f64> {
+        let directions = self.directions.iter();
+        directions.map(|direction| sum(direction, &x)).collect()
+    }
+
+    /// The piece of the law just above a position.
+    pub(crate) fn piece_above(&self, position: f64) -> usize {
+        self.breakpoints.partition_point(|b| *b <= position)
+    }
+
+    /// F_i at positions and velocities of the coordinates, without the factor.
+    pub(crate) fn forces(&self, q: impl Fn(usize) -> f64, v: impl Fn(usize) -> f64) -> Vec<f64> {
+        let (positions, velocities) = (self.along(q), self.along(v));
+        self.law.forces(self.place(&positions, &velocities))
+    }
+
+    /// U; 0 for a law without a potential.
+    pub(crate) fn potential(&self, q: impl Fn(usize) -> f64) -> f64 {
+        let positions = self.along(q);
+        let zeros = vec![0.0; positions.len()];
+        let place = self.place(&positions, &zeros);
+        self.law.potential(place).unwrap_or(0.0)
+    }
+
+    /// ∂U/∂x_i; 0 for a law without a potential.
+    pub(crate) fn potential_slopes(&self, q: impl Fn(usize) -> f64) -> Vec<f64> {
+        let positions = self.along(q);
+        let zeros = vec![0.0; positions.len()];
+        let place = self.place(&positions, &zeros);
+        let slope = |by: usize| self.law.potential_slope(place, by).unwrap_or(0.0);
+        (0..positions.len()).map(slope).collect()
+    }
+
+    fn place<'p>(&self, positions: &'p [f64], velocities: &'p [f64]) -> Place<'p, f64> {
+        Place {
+            positions,
+            velocities,
+            piece: self.piece_above(positions[0]),
+        }
+    }
+}
+
+impl std::fmt::Debug for ElementData<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let data = (self.directions, &self.factor);
+        data.fmt(f)
+    }
+}
+
+pub(super) fn sum(direction: &Entries, x: impl Fn(usize) -> f64) -> f64 {
+    direction.iter().map(|&(j, a)| a * x(j)).sum()
+}

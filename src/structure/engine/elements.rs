@@ -1,0 +1,131 @@
+//! Force elements: known forces of positions and velocities, order by order before the coordinates.
+//!
+//! Order k of a force needs orders up to k of the displacements and velocities, which are known
+//! before order k + 1 of the velocities. The forces are continuous in the state, so no decision of
+//! a contact depends on them.
+
+use super::fault::LawFault;
+use super::model::Model;
+use super::series::Series;
+use super::state::Situation;
+use crate::force::object::Place;
+use crate::series::{PowerSeries, TERMS};
+
+/// Changes the piece of each element that leaves its breakpoint to the other side; returns true if
+/// there are any.
+pub(super) fn revise_pieces(model: &Model<'_>, situation: &mut Situation, series: &Series) -> bool {
+    let mut changed = false;
+    let elements = std::iter::zip(&model.elements, &series.elements);
+    for ((element, of), state) in std::iter::zip(elements, &mut situation.elements) {
+        let Some(number) = state.on.filter(|_| state.is_open) else {
+            continue;
+        };
+        state.is_open = false;
+        let distance = state.distance(&of.positions[0], &element.breakpoints, number);
+        let Some(first) = distance.first_nonzero() else {
+            continue;
+        };
+        let piece = number + usize::from(first > 0.0);
+        changed |= piece != state.piece;
+        state.piece = piece;
+    }
+    changed
+}
+
+/// Order k of the forces of all elements on the coordinates.
+pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
+    let Series {
+        coordinates,
+        elements,
+        ..
+    } = series;
+    for (element, of) in std::iter::zip(&model.elements, elements) {
+        of.order(element, coordinates, k);
+        if k == 0 {
+            of.note_tangents(element);
+        }
+        for (i, response) in element.responses.iter().enumerate() {
+            let force = of.product(i, k);
+            for &(j, x) in response {
+                coordinates[j].force[k] -= x * force;
+            }
+        }
+    }
+}
+
+/// The fault of the first element whose force is no number, or has no series.
+pub(super) fn force_fault(series: &Series) -> Option<LawFault> {
+    let faults = series.elements.iter().enumerate().map(|(element, of)| {
+        let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
+        let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
+        if let Some(force) = of.forces.iter().find(|force| !force[0].is_finite()) {
+            let value = force[0];
+            return Some(LawFault::NonFiniteForce {
+                element,
+                position,
+                velocity,
+                value,
+            });
+        }
+        let motion = of.positions.iter().chain(&of.velocities);
+        let has_no_series = of.forces.iter().any(|force| !force[1].is_finite());
+        (has_no_series && motion.into_iter().all(is_given))
+            .then_some(LawFault::NotAnalyticForce { element, position })
+    });
+    faults.flatten().next()
+}
+
+/// The first element whose force has a singular point close to the position at the start, if steps
+/// have become too short: a pole if the force grows towards it.
+pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFault> {
+    /// Distance of the point, in units of the position or of the nearest breakpoint's scale.
+    const CLOSE: f64 = 1e-6;
+    let elements = std::iter::zip(&model.elements, &series.elements).enumerate();
+    let mut faults = elements.filter_map(|(element, (data, of))| {
+        let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
+        // The power series of F along the first direction.
+        let fixed = |series: &Vec<PowerSeries>| -> Vec<PowerSeries> {
+            series
+                .iter()
+                .map(|series| PowerSeries::of(series[0]))
+                .collect()
+        };
+        let (mut positions, velocities) = (fixed(&of.positions), fixed(&of.velocities));
+        positions[0][1] = 1.0;
+        let place = Place {
+            positions: &positions,
+            velocities: &velocities,
+            piece: of.piece,
+        };
+        let force = data.law.series(place).swap_remove(0);
+        let ratios = (TERMS / 2..TERMS - 1).map(|k| (force[k] / force[k + 1]).abs());
+        let radius = ratios.fold(f64::INFINITY, f64::min);
+        if radius.is_nan() || radius > CLOSE * position.abs().max(CLOSE) {
+            return None;
+        }
+        let towards = [0.9, -0.9].map(|part| {
+            let mut near: Vec<f64> = positions.iter().map(|x| x[0]).collect();
+            near[0] += part * radius;
+            let velocities: Vec<f64> = velocities.iter().map(|y| y[0]).collect();
+            data.law.forces(Place {
+                positions: &near,
+                velocities: &velocities,
+                piece: of.piece,
+            })[0]
+                .abs()
+        });
+        let value = force[0];
+        let grows = towards.iter().any(|near| *near > 2.0 * value.abs());
+        Some(if grows {
+            LawFault::NonFiniteForce {
+                element,
+                position,
+                velocity,
+                value,
+            }
+        } else {
+            LawFault::NotAnalyticForce { element, position }
+        })
+    });
+    faults.next()
+}

@@ -1,0 +1,60 @@
+//! Faults of laws at the start of a step.
+
+use crate::error::{Error, Reached};
+
+/// The fault of a law that returns NaN, an infinity or no series.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum LawFault {
+    NonFinite {
+        speed: f64,
+        value: f64,
+    },
+    NotAnalytic {
+        speed: f64,
+    },
+    /// Of a force element.
+    NonFiniteForce {
+        element: usize,
+        position: f64,
+        velocity: f64,
+        value: f64,
+    },
+    NotAnalyticForce {
+        element: usize,
+        position: f64,
+    },
+}
+
+impl LawFault {
+    /// The error for this fault.
+    pub(super) fn at(self, reached: Reached) -> Error {
+        match self {
+            Self::NonFinite { speed, value } => Error::NonFiniteFriction {
+                speed,
+                value,
+                reached: Some(reached),
+            },
+            Self::NotAnalytic { speed } => Error::NotAnalytic {
+                speed,
+                reached: Some(reached),
+            },
+            Self::NonFiniteForce {
+                element,
+                position,
+                velocity,
+                value,
+            } => Error::NonFiniteForce {
+                element,
+                position,
+                velocity,
+                value,
+                reached,
+            },
+            Self::NotAnalyticForce { element, position } => Error::NotAnalyticForce {
+                element,
+                position,
+                reached,
+            },
+        }
+    }
+}
