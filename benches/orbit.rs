@@ -11,7 +11,10 @@ use std::time::Instant;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Oscillator, Period};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, Polynomial, Stribeck, Structure};
+use stick_slip::{
+    Contact, Coulomb, Drive, Error, Exponential, Integrator, Polynomial, Stribeck, Structure,
+    System,
+};
 
 /// Least time in microseconds over about a second of runs.
 fn least(mut run: impl FnMut()) -> f64 {
@@ -119,13 +122,17 @@ fn beam(frequency: f64) -> Result<Structure, Error> {
 }
 
 /// Steps and times of one motion, without and with its monodromy matrix.
-fn compare(name: &str, system: &Structure, start: &State, period: f64) {
-    let steps = system.simulate(start.clone(), period).unwrap();
+fn compare<S>(name: &str, system: &S, start: &State, period: f64)
+where
+    S: Oscillator + System<State = State>,
+{
+    let run = || Integrator::new().simulate(system, start.clone(), period);
+    let steps = run().unwrap();
     let [mut motion, mut both] = [f64::INFINITY; 2];
     // In turn, and the least of both.
     for _ in 0..3 {
         motion = motion.min(least(|| {
-            black_box(system.simulate(black_box(start.clone()), period).unwrap());
+            black_box(run().unwrap());
         }));
         both = both.min(least(|| {
             black_box(system.form().period_map(black_box(start), period).unwrap());

@@ -48,7 +48,7 @@ fn blades(load: f64, frequency: f64) -> Result<Structure, Error> {
 }
 
 /// Amplitude of the blade that moves most.
-fn amplitude(orbit: &Orbit<Structure>) -> f64 {
+fn amplitude(orbit: &Orbit<State>) -> f64 {
     let ranges = [0, 1].map(|i| orbit.extremes(i));
     ranges
         .into_iter()

@@ -201,7 +201,7 @@ pub(crate) fn resonance(
     force: f64,
     range: Range<f64>,
     points: usize,
-) -> Result<Branch<Structure>, Error> {
+) -> Result<Branch<State>, Error> {
     let (highest, rest) = (range.end, State::at_rest(SHAPES));
     let system = beam(force, highest)?;
     let search = Search::new()
@@ -214,7 +214,7 @@ pub(crate) fn resonance(
 /// A point of a resonance curve: frequency, amplitude, and whether the motion is stable.
 pub(crate) type Point = (f64, f64, bool);
 
-pub(crate) fn points(branch: &Branch<Structure>) -> impl Iterator<Item = Point> {
+pub(crate) fn points(branch: &Branch<State>) -> impl Iterator<Item = Point> {
     let points = branch.points.iter();
     points.map(
         |BranchPoint {

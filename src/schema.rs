@@ -61,7 +61,9 @@
 //! | [`structure::EnergyBudget`](crate::structure::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation` | no |
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
 //! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
-//! | [`Branch`](crate::orbit::Branch) | `points`: a list of maps with the fields `parameter`, `orbit`; `bifurcations`: a list of maps with the fields `parameter`, `kind` (in words), `orbit`; `ends` (in words) | no |
+//! | [`Branch`](crate::orbit::Branch) | `points`: a list of maps with the fields `parameter`, `orbit`; `bifurcations`: a list of maps with the fields `parameter`, `kind`, `orbit`; `ends`: a list of two | no |
+//! | [`BifurcationKind`](crate::orbit::BifurcationKind) | `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence` | no |
+//! | [`BranchEnd`](crate::orbit::BranchEnd) | `range`, `closed`, `work`; with the fields of the variant: `hopf`, `grazing`, `discontinuity`, `one_way_slip`, `stopped`, `lost` (its `error` in words) | no |
 //! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: `null` if the attractor is not periodic | no |
 //! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |

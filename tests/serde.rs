@@ -810,7 +810,14 @@ fn samples_orbits_branches_and_sweeps_are_written() {
         branch.points.len()
     );
     assert_eq!(value["points"][0]["parameter"], 0.09);
-    assert_eq!(value["ends"], serde_json::json!(["Range", "Range"]));
+    assert_eq!(value["ends"], serde_json::json!(["range", "range"]));
+    let error = stick_slip::Error::AtRest;
+    let text = serde_json::json!({"lost": {"parameter": 0.2, "error": error.to_string()}});
+    let parameter = 0.2;
+    let end = orbit::BranchEnd::Lost { parameter, error };
+    assert_eq!(serde_json::to_value(end).unwrap(), text);
+    let kind = orbit::BifurcationKind::NeimarkSacker;
+    assert_eq!(serde_json::to_value(kind).unwrap(), "neimark_sacker");
 
     let sweep = orbit::sweep(family, &[0.1, 0.101], &start).unwrap();
     let value = serde_json::to_value(&sweep).unwrap();

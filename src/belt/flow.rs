@@ -11,7 +11,7 @@ use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::slip::SlipPoint;
 use crate::friction::{FrictionLaw, static_is_nan};
-use crate::motion::sealed::Sealed;
+use crate::motion::sealed;
 use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};
 use crate::state::{Direction, State};
 
@@ -228,7 +228,7 @@ impl<L: FrictionLaw> Iterator for Flow<'_, L> {
     }
 }
 
-impl<L: FrictionLaw> Sealed for MassOnBelt<L> {}
+impl<L: FrictionLaw> sealed::Sealed for MassOnBelt<L> {}
 
 impl<L: FrictionLaw> System for MassOnBelt<L> {
     type State = State;
@@ -236,13 +236,12 @@ impl<L: FrictionLaw> System for MassOnBelt<L> {
         = Flow<'s, L>
     where
         Self: 's;
+}
 
-    fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_, L>, Error> {
-        let machine = Machine::new(settings, &self.belt(), start)?;
-        Ok(Flow {
-            system: self,
-            machine,
-        })
+impl<'s, L: FrictionLaw> sealed::Flow<'s, MassOnBelt<L>> for Flow<'s, L> {
+    fn new(system: &'s MassOnBelt<L>, settings: Integrator, start: State) -> Result<Self, Error> {
+        let machine = Machine::new(settings, &system.belt(), start)?;
+        Ok(Self { system, machine })
     }
 }
 

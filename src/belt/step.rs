@@ -1,11 +1,12 @@
 use super::model::Belt;
 use crate::clock::Clock;
 use crate::error::Error;
-use crate::motion::sealed::Sealed;
+use crate::motion::sealed;
 use crate::motion::{
     self, Ended, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory,
 };
 use crate::series::PowerSeries;
+use crate::state::structure;
 use crate::state::{Direction, State, Units};
 
 /// A step of the motion of a mass on a belt: a stick phase, or one Taylor step of a slip phase.
@@ -302,7 +303,7 @@ impl std::fmt::Debug for Step {
     }
 }
 
-impl Sealed for Step {}
+impl sealed::Part for Step {}
 
 impl Segment for Step {
     type State = State;
@@ -347,10 +348,18 @@ impl Segment for Step {
     }
 }
 
-impl Sealed for State {}
-
 impl SystemState for State {
     type Step = Step;
+}
+
+impl sealed::State for State {
+    fn general(&self) -> structure::State {
+        (*self).into()
+    }
+
+    fn of_general(state: &structure::State) -> Self {
+        Self::new(state.displacements[0], state.velocities[0])
+    }
 
     fn trajectory(
         steps: Steps<'_, Step>,

@@ -1,6 +1,7 @@
 //! The settings of a run, and the loop that collects its steps: up to a stop condition, an error or
 //! the end of the duration, whichever comes first.
 
+use super::sealed::{self, State as _};
 use super::{Ended, Segment, System, SystemState, Trajectory};
 use crate::error::Error;
 
@@ -274,7 +275,7 @@ impl Integrator {
         system: &S,
         start: impl Into<S::State>,
     ) -> Result<S::Flow<'_>, Error> {
-        system.flow(self, start.into())
+        sealed::Flow::new(system, self, start.into())
     }
 
     pub(crate) fn tolerance(self) -> f64 {

@@ -22,10 +22,52 @@ pub(crate) use integrator::{Steps, Stop, trajectory};
 pub(crate) use run::Run;
 pub use trajectory::{Ended, Trajectory};
 
+use std::fmt::Debug;
+
 use crate::error::Error;
 
+/// What the crate asks of the sealed traits, hidden from its users.
 pub(crate) mod sealed {
+    use super::{Integrator, Segment, Steps, Stop, System, SystemState, Trajectory};
+    use crate::error::Error;
+    use crate::state::structure;
+
     pub trait Sealed {}
+
+    pub trait Flow<'s, S: System + ?Sized>: Sized {
+        /// The motion from `start`, as returned by [`Integrator::flow`].
+        fn new(system: &'s S, settings: Integrator, start: S::State) -> Result<Self, Error>;
+    }
+
+    pub trait State: Sized {
+        /// The state in its general form.
+        fn general(&self) -> structure::State;
+
+        /// The state with this general form.
+        fn of_general(state: &structure::State) -> Self;
+
+        /// Collects steps into a motion over a duration, or until it is stopped or fails. Compiled
+        /// once for each type of state.
+        fn trajectory(
+            steps: Steps<'_, <Self as SystemState>::Step>,
+            start_time: f64,
+            duration: f64,
+            stop: Option<Stop<'_, <Self as SystemState>::Step>>,
+        ) -> Result<Trajectory<Self>, Error>
+        where
+            Self: SystemState;
+    }
+
+    pub trait Part {
+        /// The state at a time of the step, as [`Trajectory::state_at`] returns it: a time since
+        /// the start has a rounding error of its own.
+        fn state_at_time(&self, time: f64) -> <Self as Segment>::State
+        where
+            Self: Segment,
+        {
+            self.state_at(self.since_start(time))
+        }
+    }
 }
 
 /// A system with equations of motion for the [`Integrator`]: [`MassOnBelt`](crate::MassOnBelt) or
@@ -35,37 +77,24 @@ pub trait System: sealed::Sealed {
     type State: SystemState;
     /// The motion of the system, step by step.
     type Flow<'s>: Iterator<Item = Result<<Self::State as SystemState>::Step, Error>>
+        + sealed::Flow<'s, Self>
     where
         Self: 's;
-
-    /// The motion from `start`, as returned by [`Integrator::flow`].
-    #[doc(hidden)]
-    fn flow(&self, settings: Integrator, start: Self::State) -> Result<Self::Flow<'_>, Error>;
 }
 
 /// The state of a system: [`State`](crate::State) of one mass, or
 /// [`structure::State`](crate::structure::State) of several. The trait is sealed: no other type can
 /// implement it.
-pub trait SystemState: sealed::Sealed + Clone {
+pub trait SystemState: sealed::State + Clone + Debug {
     /// The type of a step of the motion.
     type Step: Segment<State = Self>;
-
-    /// Collects steps into a motion over a duration, or until it is stopped or fails. Compiled once
-    /// for each type of state.
-    #[doc(hidden)]
-    fn trajectory(
-        steps: Steps<'_, Self::Step>,
-        start_time: f64,
-        duration: f64,
-        stop: Option<Stop<'_, Self::Step>>,
-    ) -> Result<Trajectory<Self>, Error>;
 }
 
 /// A step of any system: a part of a motion with events only at its end. The trait is sealed: no
 /// other type can implement it.
 ///
 /// All times are in the units of the system.
-pub trait Segment: sealed::Sealed + Clone {
+pub trait Segment: sealed::Part + Clone {
     /// The state of the system at one time.
     type State: SystemState<Step = Self>;
 
@@ -82,12 +111,6 @@ pub trait Segment: sealed::Sealed + Clone {
     /// State at a finite time t after the **start** of the step,
     /// 0 ≤ t ≤ [`duration`](Self::duration).
     fn state_at(&self, t: f64) -> Self::State;
-    /// The state at a time of the step, as [`Trajectory::state_at`] returns it: a time since the
-    /// start has a rounding error of its own.
-    #[doc(hidden)]
-    fn state_at_time(&self, time: f64) -> Self::State {
-        self.state_at(self.since_start(time))
-    }
     /// State at the end of the step; if it ends with an event, the state of the event.
     fn end_state(&self) -> Self::State;
     /// The events that end the step, in the order of the contacts.

@@ -1,5 +1,6 @@
 use std::borrow::Borrow;
 
+use super::sealed::Part as _;
 use super::{Event, Segment, SystemState};
 use crate::error::Error;
 use crate::state::State;

@@ -16,14 +16,16 @@ use super::shoot;
 use super::translation::Turning;
 use super::trial::TrialMotion;
 use crate::error::{Error, Reached};
-use crate::motion::{EventKind, Integrator, Mode, Segment, System};
+use crate::motion::sealed::State as _;
+use crate::motion::{EventKind, Integrator, Mode, Segment, SystemState};
 use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
 
 /// The attractor that a motion reaches: see [`classify`].
+#[derive(Debug, Clone)]
 #[non_exhaustive]
-pub enum Attractor<S: System> {
+pub enum Attractor<S: SystemState> {
     /// Every mass is at rest, and every contact sticks for ever. In a system that can be
     /// [translated](super#motions-that-are-translated), masses may move at constant velocities.
     Rest,
@@ -74,7 +76,7 @@ impl fmt::Display for AttractorKind {
     }
 }
 
-impl<S: System> Attractor<S> {
+impl<S: SystemState> Attractor<S> {
     /// The kind of the attractor.
     pub fn kind(&self) -> AttractorKind {
         match self {
@@ -91,27 +93,6 @@ impl<S: System> Attractor<S> {
         match self {
             Self::PureSlip(orbit) | Self::StickSlip(orbit) => Some(orbit),
             Self::Rest | Self::SteadySliding | Self::Irregular => None,
-        }
-    }
-}
-
-impl<S: System> Clone for Attractor<S> {
-    fn clone(&self) -> Self {
-        match self {
-            Self::Rest => Self::Rest,
-            Self::SteadySliding => Self::SteadySliding,
-            Self::PureSlip(orbit) => Self::PureSlip(orbit.clone()),
-            Self::StickSlip(orbit) => Self::StickSlip(orbit.clone()),
-            Self::Irregular => Self::Irregular,
-        }
-    }
-}
-
-impl<S: System> fmt::Debug for Attractor<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.orbit() {
-            Some(orbit) => write!(f, "{:?}({orbit:?})", self.kind()),
-            None => self.kind().fmt(f),
         }
     }
 }
@@ -171,7 +152,7 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// ```
 #[doc(alias = "attractor")]
 #[doc(alias = "basin")]
-pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor<S>, Error> {
+pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor<S::State>, Error> {
     Search::new().classify(system, start)
 }
 
@@ -188,10 +169,10 @@ impl Search<'_> {
         &self,
         system: &S,
         start: &S::State,
-    ) -> Result<Attractor<S>, Error> {
+    ) -> Result<Attractor<S::State>, Error> {
         let watched = self.watch("time");
         let form = system.form().within(self.steps(), &watched);
-        let found = settled(system, &form, &S::general(start));
+        let found = settled(system, &form, &start.general());
         watched.check()?;
         Ok(found?.0)
     }
@@ -245,7 +226,7 @@ pub(super) fn settled<S: Oscillator>(
     system: &S,
     form: &GeneralForm<'_>,
     start: &State,
-) -> Result<(Attractor<S>, State), Error> {
+) -> Result<(Attractor<S::State>, State), Error> {
     let period = match form.rhythm() {
         Rhythm::Periodic(period) => Some(period),
         Rhythm::Constant => None,
@@ -300,7 +281,7 @@ pub(super) fn settled<S: Oscillator>(
             if let Ok((found, period)) = found
                 && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
             {
-                let state = S::general(&orbit.state());
+                let state = orbit.state().general();
                 let attractor = if stands(form, &orbit) {
                     at_rest(&seen.modes)
                 } else {
@@ -366,7 +347,7 @@ fn still(form: &GeneralForm<'_>, displacement: f64, time: f64) -> f64 {
 
 /// Returns true if every coordinate stands still over a motion, or moves at a constant velocity
 /// where nothing depends on it, up to rounding.
-fn stands<S: System>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> bool {
+fn stands<S: SystemState>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> bool {
     let displacements = (0..form.len()).map(|i| size(orbit.extremes(i)));
     let displacement = displacements.fold(0.0, f64::max);
     let still = still(form, displacement, orbit.period());
@@ -396,7 +377,7 @@ fn fastest_surface(form: &GeneralForm<'_>) -> f64 {
 }
 
 /// The equilibrium with these modes.
-fn at_rest<S: System>(modes: &[Mode]) -> Attractor<S> {
+fn at_rest<S: SystemState>(modes: &[Mode]) -> Attractor<S> {
     if modes.iter().any(|mode| matches!(mode, Mode::Slip(_))) {
         Attractor::SteadySliding
     } else {
@@ -405,7 +386,7 @@ fn at_rest<S: System>(modes: &[Mode]) -> Attractor<S> {
 }
 
 /// A periodic motion as an attractor, with stick or without.
-fn named<S: System>(orbit: Orbit<S>) -> Attractor<S> {
+fn named<S: SystemState>(orbit: Orbit<S>) -> Attractor<S> {
     match kind_of(&orbit) {
         AttractorKind::StickSlip => Attractor::StickSlip(Box::new(orbit)),
         _ => Attractor::PureSlip(Box::new(orbit)),
@@ -413,7 +394,7 @@ fn named<S: System>(orbit: Orbit<S>) -> Attractor<S> {
 }
 
 /// The kind of a periodic motion.
-pub(super) fn kind_of<S: System>(orbit: &Orbit<S>) -> AttractorKind {
+pub(super) fn kind_of<S: SystemState>(orbit: &Orbit<S>) -> AttractorKind {
     let mut events = orbit.events().iter();
     if events.any(|event| event.kind == EventKind::Stick) {
         AttractorKind::StickSlip
@@ -429,7 +410,7 @@ fn accepted<S: Oscillator>(
     found: TrialMotion,
     period: Period,
     (seen, guess, missed): (&Recurrence, &State, f64),
-) -> Result<Option<Orbit<S>>, Error> {
+) -> Result<Option<Orbit<S::State>>, Error> {
     if seen.apart(&found.map.start, guess) > NEAR {
         return Ok(None);
     }

@@ -8,13 +8,15 @@ use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::trial::TrialMotion;
 use crate::error::Error;
-use crate::motion::{EventKind, System};
+use crate::motion::{EventKind, SystemState};
 use crate::state::Direction;
 
 /// The periodic motions over a parameter that [`follow`](super::follow()) finds in both directions
 /// from one motion.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct Branch<S: System> {
+pub struct Branch<S: SystemState> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
     /// The bifurcations between the motions, in the order of `points`. If the branch ends at a
@@ -25,8 +27,10 @@ pub struct Branch<S: System> {
 }
 
 /// A periodic motion of a [`Branch`].
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct BranchPoint<S: System> {
+pub struct BranchPoint<S: SystemState> {
     /// The parameter, in its own units.
     pub parameter: f64,
     /// The motion, with its multipliers.
@@ -35,8 +39,10 @@ pub struct BranchPoint<S: System> {
 
 /// A motion of a [`Branch`] at which the sequence of events, the stability, or the number of
 /// neighbouring motions changes.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct Bifurcation<S: System> {
+pub struct Bifurcation<S: SystemState> {
     /// The parameter, in its own units.
     pub parameter: f64,
     /// The kind of bifurcation.
@@ -45,8 +51,10 @@ pub struct Bifurcation<S: System> {
     /// side; `orbit` is the motion in which perturbations grow less within a period.
     pub orbit: Orbit<S>,
     /// The number of the last point of the branch before it.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) behind: usize,
     /// The range of the parameter in which the branch was followed.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) range: Range<f64>,
 }
 
@@ -59,6 +67,11 @@ pub struct Bifurcation<S: System> {
 /// Neimark-Sacker); di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth Dynamical
 /// Systems*, chapters 7 and 8 (grazing and sliding).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum BifurcationKind {
     /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch that is
     /// born at a flip or a pitchfork of another branch turns back at its birth. This turning point
@@ -107,6 +120,11 @@ impl fmt::Display for BifurcationKind {
 
 /// The reason why a [`Branch`] ends. Parameters are in their own units.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
 #[non_exhaustive]
 pub enum BranchEnd {
     /// The parameter reached an end of the range.
@@ -197,24 +215,15 @@ pub enum BranchEnd {
         parameter: f64,
         /// The error that ended the branch just beyond the last motion, with the parameter at which
         /// it occurred.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "super::written::in_words"))]
         error: Error,
     },
 }
 
-impl<S: System> Clone for Branch<S> {
-    fn clone(&self) -> Self {
-        Self {
-            points: self.points.clone(),
-            bifurcations: self.bifurcations.clone(),
-            ends: self.ends.clone(),
-        }
-    }
-}
-
-impl<S: Oscillator> BranchPoint<S> {
+impl<S: SystemState> BranchPoint<S> {
     /// The motion of a trial, with the parameter at which it was found.
-    pub(super) fn of(
-        family: &Systems<'_, S>,
+    pub(super) fn of<T: Oscillator<State = S>>(
+        family: &Systems<'_, T>,
         parameter: f64,
         trial: TrialMotion,
         kind: Period,
@@ -225,51 +234,5 @@ impl<S: Oscillator> BranchPoint<S> {
         };
         let orbit = find().map_err(|error: Error| error.at("parameter", parameter))?;
         Ok(Self { parameter, orbit })
-    }
-}
-
-impl<S: System> Clone for BranchPoint<S> {
-    fn clone(&self) -> Self {
-        let orbit = self.orbit.clone();
-        Self { orbit, ..*self }
-    }
-}
-
-impl<S: System> Clone for Bifurcation<S> {
-    fn clone(&self) -> Self {
-        Self {
-            orbit: self.orbit.clone(),
-            range: self.range.clone(),
-            ..*self
-        }
-    }
-}
-
-impl<S: System> fmt::Debug for Branch<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Branch")
-            .field("points", &self.points)
-            .field("bifurcations", &self.bifurcations)
-            .field("ends", &self.ends)
-            .finish()
-    }
-}
-
-impl<S: System> fmt::Debug for BranchPoint<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("BranchPoint")
-            .field("parameter", &self.parameter)
-            .field("orbit", &self.orbit)
-            .finish()
-    }
-}
-
-impl<S: System> fmt::Debug for Bifurcation<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Bifurcation")
-            .field("parameter", &self.parameter)
-            .field("kind", &self.kind)
-            .field("orbit", &self.orbit)
-            .finish()
     }
 }

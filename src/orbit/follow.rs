@@ -14,6 +14,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
+use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
 use crate::state::structure::State;
 
@@ -109,9 +110,9 @@ use crate::state::structure::State;
 pub fn follow<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     parameter: f64,
-    from: &Orbit<S>,
+    from: &Orbit<S::State>,
     range: Range<f64>,
-) -> Result<Branch<S>, Error> {
+) -> Result<Branch<S::State>, Error> {
     Search::new().follow(family, parameter, from, range)
 }
 
@@ -126,10 +127,10 @@ impl Search<'_> {
         &self,
         family: impl Fn(f64) -> Result<S, Error>,
         parameter: f64,
-        from: &Orbit<S>,
+        from: &Orbit<S::State>,
         range: Range<f64>,
-    ) -> Result<Branch<S>, Error> {
-        let start = (S::general(&from.state()), from.period());
+    ) -> Result<Branch<S::State>, Error> {
+        let start = (from.state().general(), from.period());
         let found = self.over(&family, from.kind(), range.clone(), |curve| {
             search(curve, parameter, start)
         })?;
@@ -168,8 +169,8 @@ fn branch<S: Oscillator>(
     kind: Period,
     range: Range<f64>,
     found: Results,
-) -> Result<Branch<S>, Error> {
-    let orbit = |parameter: f64, trial: TrialMotion| -> Result<Orbit<S>, Error> {
+) -> Result<Branch<S::State>, Error> {
+    let orbit = |parameter: f64, trial: TrialMotion| -> Result<Orbit<S::State>, Error> {
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
         Orbit::new(&system, &system.form(), trial, kind)
     };

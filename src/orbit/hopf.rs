@@ -289,7 +289,7 @@ fn sign_change(
 pub fn begin<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     near: f64,
-) -> Result<BranchPoint<S>, Error> {
+) -> Result<BranchPoint<S::State>, Error> {
     Search::new().begin(family, near)
 }
 
@@ -303,7 +303,7 @@ impl Search<'_> {
         &self,
         family: impl Fn(f64) -> Result<S, Error>,
         near: f64,
-    ) -> Result<BranchPoint<S>, Error> {
+    ) -> Result<BranchPoint<S::State>, Error> {
         let unit = if near == 0.0 { 1.0 } else { near.abs() };
         let (parameter, frequency) = hopf_point(&|value| spectrum_at(&family, value), near, unit)?;
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;

@@ -7,6 +7,7 @@ use super::oscillator::Oscillator;
 use super::search::Search;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
+use crate::motion::sealed::State as _;
 use crate::motion::{Integrator, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
@@ -138,7 +139,7 @@ impl Search<'_> {
     ) -> Result<LyapunovExponent, Error> {
         let watched = self.watch("time");
         let form = system.form().within(self.steps(), &watched);
-        exponent(&form, &S::general(start), transient, duration)
+        exponent(&form, &start.general(), transient, duration)
     }
 }
 

@@ -5,9 +5,8 @@ use super::map::PeriodMap;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::motion::{Ended, System, Trajectory};
-use crate::state;
-use crate::state::structure::State;
+use crate::motion::{Ended, System, Trajectory, sealed};
+use crate::state::structure;
 use crate::structure::engine::model::Model;
 use crate::structure::engine::sparse::Sparse;
 use crate::structure::{Energies, EnergyBudget, Structure};
@@ -18,34 +17,20 @@ use crate::structure::{Energies, EnergyBudget, Structure};
 /// The searches treat a [`MassOnBelt`] as a structure of one mass. Their results contain the states
 /// of the given system: [`State`](crate::State) for a `MassOnBelt`, and
 /// [`structure::State`](crate::structure::State) for a `Structure`.
-pub trait Oscillator: System {
-    /// The general form of a state.
-    #[doc(hidden)]
-    fn general(state: &Self::State) -> State;
-    /// The system's own form of a state.
-    #[doc(hidden)]
-    fn own(state: &State) -> Self::State;
+pub trait Oscillator: System + FamilyMember + Measured {}
+
+/// One system of a family, without its type. Not exported.
+pub trait FamilyMember {
     /// The system without the type of its laws.
-    #[doc(hidden)]
     fn form(&self) -> GeneralForm<'_>;
+}
+
+/// Measures of a motion of the system. Not exported.
+pub trait Measured: System {
     /// The motion over one period in the system's own form.
-    #[doc(hidden)]
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
     /// Work and heat along a motion.
-    #[doc(hidden)]
     fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget;
-}
-
-/// One system of a family, without its type.
-pub(crate) trait FamilyMember {
-    /// The system without the type of its laws.
-    fn form(&self) -> GeneralForm<'_>;
-}
-
-impl<S: Oscillator> FamilyMember for S {
-    fn form(&self) -> GeneralForm<'_> {
-        Oscillator::form(self)
-    }
 }
 
 /// What a family has at a value of its parameters.
@@ -69,20 +54,20 @@ pub(super) type Systems<'f, S> = dyn Fn(f64) -> Result<S, Error> + 'f;
 /// The same in two parameters.
 pub(super) type SystemsOfTwo<'f, S> = dyn Fn(f64, f64) -> Result<S, Error> + 'f;
 
-impl Oscillator for Structure {
-    fn general(state: &State) -> State {
-        state.clone()
-    }
+impl Oscillator for Structure {}
 
-    fn own(state: &State) -> State {
-        state.clone()
-    }
-
+impl FamilyMember for Structure {
     fn form(&self) -> GeneralForm<'_> {
         GeneralForm::new(self.model())
     }
+}
 
-    fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
+impl Measured for Structure {
+    fn trajectory(
+        &self,
+        map: PeriodMap,
+        period: f64,
+    ) -> Result<Trajectory<structure::State>, Error> {
         Ok(Trajectory::new(map.steps, 0.0, period, Ended::Duration))
     }
 
@@ -92,21 +77,20 @@ impl Oscillator for Structure {
     }
 }
 
-impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
-    fn general(state: &state::State) -> State {
-        (*state).into()
-    }
+impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {}
 
-    fn own(state: &State) -> state::State {
-        state::State::new(state.displacements[0], state.velocities[0])
-    }
-
+impl<L: FrictionLaw> FamilyMember for MassOnBelt<L> {
     fn form(&self) -> GeneralForm<'_> {
         GeneralForm::new(Model::of_belt(self))
     }
+}
 
+impl<L: FrictionLaw> Measured for MassOnBelt<L> {
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {
-        self.simulate(Self::own(&map.start), period)
+        self.simulate(
+            <Self::State as sealed::State>::of_general(&map.start),
+            period,
+        )
     }
 
     fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget {

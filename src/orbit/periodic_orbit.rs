@@ -14,7 +14,7 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::trial::TrialMotion;
 use crate::error::Error;
-use crate::motion::{Event, Segment, System, SystemState, Trajectory};
+use crate::motion::{Event, Segment, SystemState, Trajectory};
 use crate::numerics::gauss::gauss_legendre;
 use crate::numerics::power_of_two;
 use crate::numerics::sort::sort_by;
@@ -41,24 +41,25 @@ use crate::structure::EnergyBudget;
 /// assert_eq!(orbit.multipliers()[0].norm(), 0.0);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub struct Orbit<S: System> {
+#[derive(Clone)]
+pub struct Orbit<S: SystemState> {
     kind: Period,
     period: f64,
-    state: S::State,
-    trajectory: Trajectory<S::State>,
-    events: Vec<Event<S::State>>,
+    state: S,
+    trajectory: Trajectory<S>,
+    events: Vec<Event<S>>,
     pub(super) measures: Measures,
     multipliers: Vec<Complex<f64>>,
     unslipped: Vec<usize>,
-    families: Vec<S::State>,
+    families: Vec<S>,
     /// The multipliers 1 of families that are listed.
     neutral: usize,
     is_symmetric: bool,
 }
 
-impl<S: Oscillator> Orbit<S> {
+impl<S: SystemState> Orbit<S> {
     pub(super) fn new(
-        system: &S,
+        system: &impl Oscillator<State = S>,
         form: &GeneralForm<'_>,
         found: TrialMotion,
         kind: Period,
@@ -72,7 +73,7 @@ impl<S: Oscillator> Orbit<S> {
             time: event.time,
             contact: event.contact,
             kind: event.kind,
-            state: S::own(&event.state),
+            state: S::of_general(&event.state),
         });
         Ok(Self {
             kind: match kind {
@@ -80,12 +81,12 @@ impl<S: Oscillator> Orbit<S> {
                 driven @ Period::Driven(_) => driven,
             },
             period,
-            state: S::own(&map.start),
+            state: S::of_general(&map.start),
             events: events.collect(),
             measures,
             multipliers: properties.multipliers,
             unslipped: properties.unslipped,
-            families: properties.families.iter().map(S::own).collect(),
+            families: properties.families.iter().map(S::of_general).collect(),
             neutral: properties.neutral,
             is_symmetric: symmetric.is_some(),
             trajectory: system.trajectory(map, period)?,
@@ -134,7 +135,7 @@ impl Properties {
     }
 }
 
-impl<S: System> Orbit<S> {
+impl<S: SystemState> Orbit<S> {
     /// The kind of the motion: [`Period::Driven`] with the number of common periods of the drives,
     /// or [`Period::Free`] with the period.
     pub fn kind(&self) -> Period {
@@ -148,17 +149,17 @@ impl<S: System> Orbit<S> {
 
     /// The state at the start of the period. The state at the end of the period is the same, except
     /// for a [translation](Self::mean_velocity).
-    pub fn state(&self) -> S::State {
+    pub fn state(&self) -> S {
         self.state.clone()
     }
 
     /// The motion over one period, from time 0.
-    pub fn trajectory(&self) -> &Trajectory<S::State> {
+    pub fn trajectory(&self) -> &Trajectory<S> {
         &self.trajectory
     }
 
     /// The events in (0, T], in order of time. An event at the start of the period has the time T.
-    pub fn events(&self) -> &[Event<S::State>] {
+    pub fn events(&self) -> &[Event<S>] {
         &self.events
     }
 
@@ -220,7 +221,7 @@ impl<S: System> Orbit<S> {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     #[doc(alias = "continuum")]
-    pub fn families(&self) -> &[S::State] {
+    pub fn families(&self) -> &[S] {
         &self.families
     }
 
@@ -251,7 +252,7 @@ impl<S: System> Orbit<S> {
     }
 }
 
-impl<S: System> Orbit<S> {
+impl<S: SystemState> Orbit<S> {
     /// Number of coordinates.
     #[cfg(feature = "serde")]
     pub(super) fn coordinates(&self) -> usize {
@@ -274,7 +275,7 @@ impl<S: System> Orbit<S> {
 
 /// Measures of the motion, with the names of the measures of a [`LimitCycle`](crate::LimitCycle). A
 /// measure is NaN if the coordinate or the contact does not exist.
-impl<S: System> Orbit<S> {
+impl<S: SystemState> Orbit<S> {
     /// Angular frequency ω = 2π/T, per unit of time.
     pub fn frequency(&self) -> f64 {
         std::f64::consts::TAU / self.period()
@@ -389,7 +390,7 @@ impl<S: System> Orbit<S> {
     }
 }
 
-impl<S: Oscillator> Orbit<S> {
+impl<S: SystemState> Orbit<S> {
     /// Complex amplitudes of the first n harmonics of a coordinate's displacement: (2/T)∮q
     /// e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time t from the start of the period
     /// ([`state`](Self::state)). The modulus is the amplitude of the harmonic. Each harmonic is
@@ -408,7 +409,7 @@ impl<S: Oscillator> Orbit<S> {
         let harmonic = |k: usize| {
             let omega = k as f64 * self.frequency();
             let part = |weight: fn(f64) -> f64| {
-                let over = |step: &<S::State as SystemState>::Step| {
+                let over = |step: &S::Step| {
                     let (start, h) = (step.start_time(), step.duration());
                     // Pieces of at most one radian of the harmonic.
                     let pieces = (omega * h).ceil().max(1.0);
@@ -417,7 +418,7 @@ impl<S: Oscillator> Orbit<S> {
                         .map(|i| {
                             let from = i as f64 * width;
                             gauss_legendre(from, from + width, |t| {
-                                let state = S::general(&step.state_at(t));
+                                let state = step.state_at(t).general();
                                 let displacement = state.displacements[coordinate];
                                 let time = start + t;
                                 (displacement - velocity * time - mean) / unit
@@ -460,28 +461,9 @@ impl<S: Oscillator> Orbit<S> {
     }
 }
 
-impl<S: System> Clone for Orbit<S> {
-    fn clone(&self) -> Self {
-        Self {
-            kind: self.kind,
-            period: self.period,
-            state: self.state.clone(),
-            trajectory: self.trajectory.clone(),
-            events: self.events.clone(),
-            measures: self.measures.clone(),
-            multipliers: self.multipliers.clone(),
-            unslipped: self.unslipped.clone(),
-            families: self.families.clone(),
-            neutral: self.neutral,
-            is_symmetric: self.is_symmetric,
-        }
-    }
-}
-
-impl<S: System> PartialEq for Orbit<S>
+impl<S: SystemState + PartialEq> PartialEq for Orbit<S>
 where
-    S::State: PartialEq,
-    <S::State as SystemState>::Step: PartialEq,
+    S::Step: PartialEq,
 {
     /// Compares the motion, its kind and its multipliers, from which the rest follows.
     fn eq(&self, other: &Self) -> bool {
@@ -491,7 +473,7 @@ where
     }
 }
 
-impl<S: System> fmt::Debug for Orbit<S> {
+impl<S: SystemState> fmt::Debug for Orbit<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Orbit")
             .field("kind", &self.kind)

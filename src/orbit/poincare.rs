@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::oscillator::Oscillator;
 use crate::error::{Error, Reached};
+use crate::motion::sealed::State as _;
 use crate::motion::{Event, EventKind, Integrator, Segment, SystemState};
 
 /// Steps without an item after which a section returns an error.
@@ -43,7 +44,7 @@ impl<'s, S: Oscillator> Steps<'s, S> {
             self.flow = Err(None);
             return Some(Err(Error::TooManySteps {
                 limit: PATIENCE,
-                reached: Reached::new(step.end_time(), S::general(&step.end_state())),
+                reached: Reached::new(step.end_time(), step.end_state().general()),
             }));
         }
         Some(Ok(step))

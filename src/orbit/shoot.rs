@@ -12,6 +12,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Mode;
+use crate::motion::sealed::State as _;
 use crate::numerics::least_norm::conserving;
 use crate::state::structure::State;
 use crate::structure::engine::check_sizes;
@@ -246,7 +247,7 @@ pub fn shoot<S: Oscillator>(
     system: &S,
     guess: &S::State,
     period: Period,
-) -> Result<Orbit<S>, Error> {
+) -> Result<Orbit<S::State>, Error> {
     Search::new().shoot(system, guess, period)
 }
 
@@ -261,9 +262,9 @@ impl Search<'_> {
         system: &S,
         guess: &S::State,
         period: Period,
-    ) -> Result<Orbit<S>, Error> {
+    ) -> Result<Orbit<S::State>, Error> {
         self.found(system, period, |form| {
-            search(form, &S::general(guess), period)
+            search(form, &guess.general(), period)
         })
     }
 
@@ -278,9 +279,9 @@ impl Search<'_> {
         start: &S::State,
         transient: f64,
         period: Period,
-    ) -> Result<Orbit<S>, Error> {
+    ) -> Result<Orbit<S::State>, Error> {
         self.found(system, period, |form| {
-            let guess = transient_end(form, &S::general(start), transient, period)?;
+            let guess = transient_end(form, &start.general(), transient, period)?;
             search(form, &guess, period)
         })
     }
@@ -291,7 +292,7 @@ impl Search<'_> {
         system: &S,
         period: Period,
         search: impl FnOnce(&GeneralForm<'_>) -> Result<TrialMotion, Error>,
-    ) -> Result<Orbit<S>, Error> {
+    ) -> Result<Orbit<S::State>, Error> {
         let watched = self.watch("time");
         let form = system.form().within(self.steps(), &watched);
         let found = search(&form);
@@ -376,7 +377,7 @@ pub fn settle<S: Oscillator>(
     start: &S::State,
     transient: f64,
     period: Period,
-) -> Result<Orbit<S>, Error> {
+) -> Result<Orbit<S::State>, Error> {
     Search::new().settle(system, start, transient, period)
 }
 

@@ -1,16 +1,18 @@
 //! A sweep of a parameter up and down: each motion starts from the end of the motion before.
 
-use std::fmt;
-
 use super::attractor::{Attractor, AttractorKind, settled};
 use super::oscillator::Oscillator;
 use super::search::Search;
 use crate::error::Error;
-use crate::motion::System;
+use crate::motion::SystemState;
+use crate::motion::sealed::State as _;
 use crate::state::structure::State;
 
 /// Attractors as a parameter rises and falls: see [`sweep`].
-pub struct Sweep<S: System> {
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Sweep<S: SystemState> {
     /// The results as the parameter rises, by ascending values.
     pub up: Vec<SweepPoint<S>>,
     /// The results as the parameter falls, by descending values.
@@ -21,7 +23,9 @@ pub struct Sweep<S: System> {
 }
 
 /// The attractor at one value of a parameter.
-pub struct SweepPoint<S: System> {
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct SweepPoint<S: SystemState> {
     /// The parameter, in its own units.
     pub parameter: f64,
     /// The attractor that the motion reaches, or the error. After an error the sweep continues from
@@ -43,14 +47,14 @@ pub struct Change {
     pub to: AttractorKind,
 }
 
-impl<S: System> SweepPoint<S> {
+impl<S: SystemState> SweepPoint<S> {
     /// The kind of the attractor; `None` if the result is an error.
     pub fn kind(&self) -> Option<AttractorKind> {
         self.attractor.as_ref().ok().map(Attractor::kind)
     }
 }
 
-impl<S: System> Sweep<S> {
+impl<S: SystemState> Sweep<S> {
     /// The changes as the parameter rises, then the changes as it falls.
     pub fn changes(&self) -> impl Iterator<Item = Change> {
         [&self.up, &self.down].into_iter().flat_map(|way| {
@@ -131,7 +135,7 @@ pub fn sweep<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     values: &[f64],
     start: &S::State,
-) -> Result<Sweep<S>, Error> {
+) -> Result<Sweep<S::State>, Error> {
     Search::new().sweep(family, values, start)
 }
 
@@ -147,7 +151,7 @@ impl Search<'_> {
         family: impl Fn(f64) -> Result<S, Error>,
         values: &[f64],
         start: &S::State,
-    ) -> Result<Sweep<S>, Error> {
+    ) -> Result<Sweep<S::State>, Error> {
         let (count, allowed) = (values.len(), "at least one value");
         Error::check(
             "orbit::sweep",
@@ -173,7 +177,7 @@ impl Search<'_> {
             down: Vec::new(),
             stopped: None,
         };
-        let mut start = S::general(start);
+        let mut start = start.general();
         let mut is_given = true;
         let down = values.iter().rev().map(|&value| (value, false));
         for (parameter, rises) in values.iter().map(|&value| (value, true)).chain(down) {
@@ -225,7 +229,7 @@ fn is_of_start(error: &Error) -> bool {
 }
 
 /// The start at the next value.
-fn pushed<S: System>(attractor: &Attractor<S>, mut state: State) -> State {
+fn pushed<S: SystemState>(attractor: &Attractor<S>, mut state: State) -> State {
     const PUSH: f64 = 1e-6;
     if let Attractor::SteadySliding = attractor {
         let sizes = state.displacements.iter().map(|q| q.abs());
@@ -235,40 +239,4 @@ fn pushed<S: System>(attractor: &Attractor<S>, mut state: State) -> State {
         }
     }
     state
-}
-
-impl<S: System> Clone for Sweep<S> {
-    fn clone(&self) -> Self {
-        Self {
-            up: self.up.clone(),
-            down: self.down.clone(),
-            stopped: self.stopped,
-        }
-    }
-}
-
-impl<S: System> Clone for SweepPoint<S> {
-    fn clone(&self) -> Self {
-        let attractor = self.attractor.clone();
-        Self { attractor, ..*self }
-    }
-}
-
-impl<S: System> fmt::Debug for Sweep<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Sweep")
-            .field("up", &self.up)
-            .field("down", &self.down)
-            .field("stopped", &self.stopped)
-            .finish()
-    }
-}
-
-impl<S: System> fmt::Debug for SweepPoint<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SweepPoint")
-            .field("parameter", &self.parameter)
-            .field("attractor", &self.attractor)
-            .finish()
-    }
 }

@@ -17,6 +17,8 @@ use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::belt::Criticality;
 use crate::error::Error;
+use crate::motion::SystemState;
+use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
 use crate::state::structure::State;
 
@@ -31,7 +33,7 @@ const BESIDE: [f64; 2] = [1e-3, 1e-4];
 /// half the period.
 const APART: f64 = 0.5;
 
-impl<S: Oscillator> Bifurcation<S> {
+impl<S: SystemState> Bifurcation<S> {
     /// A motion near a flip or a pitchfork, on the branch that is born there. Pass the motion to
     /// [`follow`](super::follow()) to compute this branch.
     ///
@@ -95,9 +97,9 @@ impl<S: Oscillator> Bifurcation<S> {
     /// ```
     #[doc(alias = "period doubling")]
     #[doc(alias = "branch point")]
-    pub fn switch(
+    pub fn switch<T: Oscillator<State = S>>(
         &self,
-        family: impl Fn(f64) -> Result<S, Error>,
+        family: impl Fn(f64) -> Result<T, Error>,
     ) -> Result<BranchPoint<S>, Error> {
         Search::new().switch(self, family)
     }
@@ -137,9 +139,9 @@ impl Search<'_> {
     /// The errors of [`Bifurcation::switch`]; [`Error::Stopped`] if the watcher stops the search.
     pub fn switch<S: Oscillator>(
         &self,
-        from: &Bifurcation<S>,
+        from: &Bifurcation<S::State>,
         family: impl Fn(f64) -> Result<S, Error>,
-    ) -> Result<BranchPoint<S>, Error> {
+    ) -> Result<BranchPoint<S::State>, Error> {
         let (is_symmetric, kind) = match (from.kind, from.orbit.kind()) {
             (BifurcationKind::Pitchfork, kind) => (true, kind),
             (BifurcationKind::Flip, Period::Driven(count)) => (false, Period::Driven(2 * count)),
@@ -147,7 +149,7 @@ impl Search<'_> {
             (kind, _) => return Err(Error::NoSwitch { kind: kind.name() }),
         };
         let period = from.orbit.period() * if is_symmetric { 1.0 } else { 2.0 };
-        let start = S::general(&from.orbit.state());
+        let start = from.orbit.state().general();
         let (parameter, trial) = self.over(&family, kind, from.range.clone(), |curve| {
             other_branch(curve, &start, (period, from.parameter), is_symmetric)
         })?;

@@ -198,7 +198,7 @@ impl Turning {
 mod tests {
     use nalgebra::DMatrix;
 
-    use super::super::oscillator::Oscillator;
+    use super::super::oscillator::FamilyMember;
     use super::*;
     use crate::friction::Coulomb;
     use crate::structure::freedom::Freedom;

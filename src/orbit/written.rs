@@ -1,19 +1,16 @@
-//! Serialization of periodic motions, branches and sweeps (feature `serde`): they are written but
-//! not read, because they can be computed from a system.
+//! Serialization of periodic motions and attractors (feature `serde`): they are written but not
+//! read, because they can be computed from a system.
 
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use super::attractor::Attractor;
-use super::branch::{Bifurcation, Branch, BranchPoint};
 use super::periodic_orbit::Orbit;
-use super::sweep::{Sweep, SweepPoint};
-use crate::motion::System;
+use super::sweep::SweepPoint;
+use crate::error::Error;
+use crate::motion::SystemState;
 
-impl<S: System> Serialize for Orbit<S>
-where
-    S::State: Serialize,
-{
+impl<S: SystemState + Serialize> Serialize for Orbit<S> {
     fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
         let coordinates = 0..self.coordinates();
         let extremes = |of: fn(&Self, usize) -> (f64, f64)| -> Vec<(f64, f64)> {
@@ -37,49 +34,7 @@ where
     }
 }
 
-impl<S: System> Serialize for BranchPoint<S>
-where
-    S::State: Serialize,
-{
-    fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
-        let mut text = to.serialize_struct("BranchPoint", 2)?;
-        text.serialize_field("parameter", &self.parameter)?;
-        text.serialize_field("orbit", &self.orbit)?;
-        text.end()
-    }
-}
-
-impl<S: System> Serialize for Bifurcation<S>
-where
-    S::State: Serialize,
-{
-    fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
-        let mut text = to.serialize_struct("Bifurcation", 3)?;
-        text.serialize_field("parameter", &self.parameter)?;
-        text.serialize_field("kind", &self.kind.to_string())?;
-        text.serialize_field("orbit", &self.orbit)?;
-        text.end()
-    }
-}
-
-impl<S: System> Serialize for Branch<S>
-where
-    S::State: Serialize,
-{
-    fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
-        let ends = self.ends.each_ref().map(|end| format!("{end:?}"));
-        let mut text = to.serialize_struct("Branch", 3)?;
-        text.serialize_field("points", &self.points)?;
-        text.serialize_field("bifurcations", &self.bifurcations)?;
-        text.serialize_field("ends", &ends)?;
-        text.end()
-    }
-}
-
-impl<S: System> Serialize for Attractor<S>
-where
-    S::State: Serialize,
-{
+impl<S: SystemState + Serialize> Serialize for Attractor<S> {
     fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
         let mut text = to.serialize_struct("Attractor", 2)?;
         text.serialize_field("kind", &self.kind())?;
@@ -88,10 +43,7 @@ where
     }
 }
 
-impl<S: System> Serialize for SweepPoint<S>
-where
-    S::State: Serialize,
-{
+impl<S: SystemState + Serialize> Serialize for SweepPoint<S> {
     fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
         let error = self.attractor.as_ref().err().map(ToString::to_string);
         let mut text = to.serialize_struct("SweepPoint", 3)?;
@@ -102,15 +54,7 @@ where
     }
 }
 
-impl<S: System> Serialize for Sweep<S>
-where
-    S::State: Serialize,
-{
-    fn serialize<T: Serializer>(&self, to: T) -> Result<T::Ok, T::Error> {
-        let mut text = to.serialize_struct("Sweep", 3)?;
-        text.serialize_field("up", &self.up)?;
-        text.serialize_field("down", &self.down)?;
-        text.serialize_field("stopped", &self.stopped)?;
-        text.end()
-    }
+/// An error in words.
+pub(super) fn in_words<T: Serializer>(error: &Error, to: T) -> Result<T::Ok, T::Error> {
+    to.collect_str(error)
 }

@@ -7,7 +7,7 @@ use super::step::Step;
 use super::system::Structure;
 use crate::clock::Clock;
 use crate::error::Error;
-use crate::motion::sealed::Sealed;
+use crate::motion::sealed;
 use crate::motion::{Integrator, Run, Segment, System, Trajectory};
 use crate::state::structure::State;
 
@@ -71,14 +71,16 @@ impl Iterator for Flow<'_> {
     }
 }
 
-impl Sealed for Structure {}
+impl sealed::Sealed for Structure {}
 
 impl System for Structure {
     type State = State;
     type Flow<'s> = Flow<'s>;
+}
 
-    fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_>, Error> {
-        Flow::new(settings, self.model(), &start)
+impl<'s> sealed::Flow<'s, Structure> for Flow<'s> {
+    fn new(system: &'s Structure, settings: Integrator, start: State) -> Result<Self, Error> {
+        Self::new(settings, system.model(), &start)
     }
 }
 

@@ -3,7 +3,7 @@ use std::sync::{Arc, OnceLock};
 use super::engine::modes::Modes;
 use crate::clock::Clock;
 use crate::error::Error;
-use crate::motion::sealed::Sealed;
+use crate::motion::sealed::{self, Part as _};
 use crate::motion::{self, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::state::Direction;
@@ -250,7 +250,11 @@ impl std::fmt::Debug for Step {
     }
 }
 
-impl Sealed for Step {}
+impl sealed::Part for Step {
+    fn state_at_time(&self, time: f64) -> State {
+        self.state_since(self.since_start(time), time)
+    }
+}
 
 impl Segment for Step {
     type State = State;
@@ -275,10 +279,6 @@ impl Segment for Step {
         self.state_since(t, self.start.after(t).time)
     }
 
-    fn state_at_time(&self, time: f64) -> State {
-        self.state_since(self.since_start(time), time)
-    }
-
     fn end_state(&self) -> State {
         self.state_of(self.ends().1)
     }
@@ -299,10 +299,18 @@ impl Segment for Step {
     }
 }
 
-impl Sealed for State {}
-
 impl SystemState for State {
     type Step = Step;
+}
+
+impl sealed::State for State {
+    fn general(&self) -> State {
+        self.clone()
+    }
+
+    fn of_general(state: &State) -> Self {
+        state.clone()
+    }
 
     fn trajectory(
         steps: Steps<'_, Step>,

@@ -3,10 +3,23 @@
 
 use std::sync::LazyLock;
 
+use stick_slip::nalgebra::DMatrix;
+use stick_slip::orbit::Oscillator;
 use stick_slip::{
-    CycleSet, Direction, EventKind, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, State,
-    Step, limit_cycle,
+    CycleSet, Direction, Error, EventKind, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode,
+    State, Step, limit_cycle, structure,
 };
+
+/// The steps of a motion, and its monodromy matrix: by methods of a supertrait of [`Oscillator`]
+/// that programs cannot name.
+pub fn monodromy(
+    system: &impl Oscillator,
+    start: &structure::State,
+    duration: f64,
+) -> Result<(Vec<structure::Step>, DMatrix<f64>), Error> {
+    let map = system.form().period_map(start, duration)?;
+    Ok((map.steps().to_vec(), map.monodromy().clone()))
+}
 
 /// Nodes on [−1, 1] and weights of the Gauss-Legendre rule of 20 points.
 static RULE: LazyLock<[(f64, f64); 20]> = LazyLock::new(|| {

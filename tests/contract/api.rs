@@ -15,7 +15,7 @@ use stick_slip::{
     AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error, Event,
     EventKind, Exponential, Flow, FrictionLaw, Integrator, Iwan4, LimitCycle, MassOnBelt, Mode,
     Physical, Polynomial, Rational, Reached, Scalar, Scaled, Scaling, Stability, State, Step,
-    Stribeck, Structure, Tabulated, Trajectory,
+    Stribeck, Tabulated, Trajectory, structure,
 };
 
 #[test]
@@ -27,8 +27,8 @@ fn types_have_the_common_traits() {
 
     value::<Trajectory>();
     value::<LimitCycle>();
-    value::<Orbit<MassOnBelt<AnyLaw>>>();
-    value::<Orbit<Structure>>();
+    value::<Orbit<State>>();
+    value::<Orbit<structure::State>>();
     value::<CycleSet>();
     value::<DiagramPoint>();
     value::<Attractor>();

@@ -4,7 +4,7 @@
 use serde_json::Value;
 use stick_slip::orbit::{Orbit, Period, settle, shoot};
 use stick_slip::{
-    AnyLaw, CycleSet, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, State, limit_cycle,
+    AnyLaw, CycleSet, Error, Exponential, LimitCycle, MassOnBelt, State, limit_cycle,
 };
 
 use crate::common::{Random, number, on_belt, system_of, text};
@@ -19,7 +19,7 @@ fn meet(worst: &mut (f64, String), what: &str, actual: f64, expected: f64) {
     }
 }
 
-fn compare(orbit: &Orbit<MassOnBelt<AnyLaw>>, cycle: &LimitCycle) -> (f64, String) {
+fn compare(orbit: &Orbit<stick_slip::State>, cycle: &LimitCycle) -> (f64, String) {
     let mut worst = (0.0, String::new());
     let (least, largest) = orbit.extremes(0);
     let (slowest, fastest) = orbit.velocity_extremes(0);
@@ -130,7 +130,7 @@ fn against_file(case: &Value, system: &MassOnBelt<AnyLaw>, failures: &mut Vec<St
 
 /// Whether a motion is a cycle of the complete search, run through once or several times, or one of
 /// a continuum.
-fn is_known<L: FrictionLaw>(orbit: &Orbit<MassOnBelt<L>>, cycles: &CycleSet) -> bool {
+fn is_known(orbit: &Orbit<stick_slip::State>, cycles: &CycleSet) -> bool {
     let (least, largest) = orbit.extremes(0);
     let is = |cycle: &LimitCycle| {
         let times = (orbit.period() / cycle.period()).round().max(1.0);

@@ -83,7 +83,7 @@ fn amplitudes_of_a_drill_string_are_those_of_the_normal_form() {
         println!("{speed}: {smallest:?}");
         assert!((smallest.1 - 1.0).abs() < 1e-4, "{speed}: {smallest:?}");
         // Up to the belt: the motion touches it, and sticks.
-        let grazes = |found: &orbit::Bifurcation<Structure>| found.kind == BifurcationKind::Grazing;
+        let grazes = |found: &orbit::Bifurcation<_>| found.kind == BifurcationKind::Grazing;
         assert!(
             speed > 0.42 || branch.bifurcations.iter().any(grazes),
             "{speed}"

@@ -27,7 +27,7 @@ fn start() -> State {
     State::new(&[0.3], &[0.0])
 }
 
-fn motion() -> Orbit<Structure> {
+fn motion() -> Orbit<State> {
     settle(&driven(0.78).unwrap(), &start(), 400.0, Period::Driven(1)).unwrap()
 }
 
@@ -185,7 +185,7 @@ fn a_branch_keeps_what_was_found() {
         || (progress.value - range.start).abs() < 1e-3));
     assert_eq!(seen.last().unwrap().points, whole.points.len() - 1);
 
-    let parameters = |points: &[stick_slip::orbit::BranchPoint<Structure>]| -> Vec<f64> {
+    let parameters = |points: &[stick_slip::orbit::BranchPoint<State>]| -> Vec<f64> {
         points.iter().map(|point| point.parameter).collect()
     };
     let known = parameters(&whole.points);
@@ -240,11 +240,11 @@ fn a_locus_is_bounded_and_watched() {
     let flip = &branch.bifurcations[0];
     let ranges = [0.72..0.9, 0.1..0.5];
     let whole = locus(family, flip, 0.3, ranges.clone()).unwrap();
-    let places = |locus: &Locus<Structure>| -> Vec<[f64; 2]> {
+    let places = |locus: &Locus<State>| -> Vec<[f64; 2]> {
         locus.points.iter().map(|point| point.parameters).collect()
     };
     let all = places(&whole);
-    let is_part = |part: &Locus<Structure>| {
+    let is_part = |part: &Locus<State>| {
         let part = places(part);
         all.windows(part.len()).any(|window| window == part)
     };

@@ -31,7 +31,7 @@ fn in_slip(system: &Structure, contact: f64, cycle: &ExactCycle) -> State {
 }
 
 /// Where the motion slips, some time before the contact: nothing happens at the seam.
-fn late_in_slip(orbit: &Orbit<Structure>) -> State {
+fn late_in_slip(orbit: &Orbit<State>) -> State {
     let mut events = orbit.events().iter();
     let stick = events.find(|event| event.kind == EventKind::Stick).unwrap();
     let time = stick.time - 1.5;
@@ -44,7 +44,7 @@ fn late_in_slip(orbit: &Orbit<Structure>) -> State {
 }
 
 /// The place of the contact, from where a motion is caught and sticks.
-fn caught(orbit: &Orbit<Structure>) -> f64 {
+fn caught(orbit: &Orbit<State>) -> f64 {
     let mut events = orbit.events().iter();
     let stick = events.find(|event| event.kind == EventKind::Stick);
     stick.unwrap().state.displacements[0]
@@ -208,7 +208,7 @@ fn forced(amplitude: f64, phase: f64) -> Result<Structure, Error> {
         .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.1))
 }
 
-fn sticks(orbit: &Orbit<Structure>) -> bool {
+fn sticks(orbit: &Orbit<State>) -> bool {
     let mut events = orbit.events().iter();
     events.any(|event| event.kind == EventKind::Stick)
 }

@@ -24,9 +24,9 @@ fn bifurcations(
     case: &Value,
     kind: BifurcationKind,
     [first, second]: [f64; 2],
-    motion: &Orbit<Structure>,
+    motion: &Orbit<State>,
     range: Range<f64>,
-) -> Vec<Bifurcation<Structure>> {
+) -> Vec<Bifurcation<State>> {
     let family = |first: f64| Ok(member(&case["system"], first, second));
     let branch = follow(family, first, motion, range).unwrap();
     let mut found = branch.bifurcations;
@@ -34,7 +34,7 @@ fn bifurcations(
     found
 }
 
-fn driven(case: &Value, [first, second]: [f64; 2]) -> Orbit<Structure> {
+fn driven(case: &Value, [first, second]: [f64; 2]) -> Orbit<State> {
     let system = member(&case["system"], first, second);
     settle(
         &system,

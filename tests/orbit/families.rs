@@ -28,7 +28,7 @@ fn momentum(state: &State) -> f64 {
 }
 
 /// The state at the end of one period, from a start perturbed along a direction, minus its start.
-fn missed(system: &Structure, orbit: &Orbit<Structure>, direction: &State, by: f64) -> Vec<f64> {
+fn missed(system: &Structure, orbit: &Orbit<State>, direction: &State, by: f64) -> Vec<f64> {
     let numbers = |state: &State| -> Vec<f64> {
         [&state.displacements[..], &state.velocities, &state.memory].concat()
     };

@@ -18,9 +18,9 @@ fn bifurcations(
     family: impl Fn(f64, f64) -> Result<Structure, Error>,
     kind: BifurcationKind,
     (start, second): (f64, f64),
-    motion: &Orbit<Structure>,
+    motion: &Orbit<State>,
     range: Range<f64>,
-) -> Vec<Bifurcation<Structure>> {
+) -> Vec<Bifurcation<State>> {
     let branch = follow(|first| family(first, second), start, motion, range).unwrap();
     let mut found = branch.bifurcations;
     found.retain(|found| found.kind == kind);
@@ -28,13 +28,13 @@ fn bifurcations(
 }
 
 /// The parameters of the special points of a curve that are of a kind.
-fn special(locus: &Locus<Structure>, kind: SpecialKind) -> Vec<[f64; 2]> {
+fn special(locus: &Locus<State>, kind: SpecialKind) -> Vec<[f64; 2]> {
     let of_kind = locus.special.iter().filter(|point| point.kind == kind);
     of_kind.map(|point| point.parameters).collect()
 }
 
 /// The end of a curve of folds at a touch: its last special point is a fold-grazing.
-fn touching_end(locus: &Locus<Structure>) -> [f64; 2] {
+fn touching_end(locus: &Locus<State>) -> [f64; 2] {
     let jump = locus.ends.iter().position(|end| *end == LocusEnd::Jump);
     let jump = jump.unwrap_or_else(|| panic!("{:?}", locus.ends));
     let last = [0, locus.points.len() - 1][jump];
@@ -99,7 +99,7 @@ fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
             let at = (frequency, force);
             bifurcations(family, kind, at, &motion, range.clone()).remove(0)
         };
-        let curve = |at: &Bifurcation<Structure>| {
+        let curve = |at: &Bifurcation<State>| {
             orbit::locus(family, at, force, [range.clone(), 0.002..0.6]).unwrap()
         };
         let folds = curve(&of(BifurcationKind::Fold));
@@ -126,9 +126,8 @@ fn folds_with_falling_friction_end_on_the_curve_of_touches() {
     let system = family(hertz, force).unwrap();
     let motion = settle(&system, &State::at_rest(1), 10.0, Period::Driven(1)).unwrap();
     let of = |kind| bifurcations(family, kind, (hertz, force), &motion, 8.0..30.0);
-    let curve = |at: &Bifurcation<Structure>| {
-        orbit::locus(family, at, force, [8.0..30.0, 0.05..40.0]).unwrap()
-    };
+    let curve =
+        |at: &Bifurcation<State>| orbit::locus(family, at, force, [8.0..30.0, 0.05..40.0]).unwrap();
     let touches = of(BifurcationKind::Grazing);
     let [left, right] = [0, 1].map(|i| special(&curve(&touches[i]), SpecialKind::FoldGrazing));
     assert_eq!([left.len(), right.len()], [3, 3]);
@@ -168,9 +167,8 @@ fn folds_of_a_joint_end_on_the_curve_of_touches() {
     let guess = State::new(&[0.3; 2], &[0.1; 2]);
     let motion = shoot(&system, &guess, Period::Driven(1)).unwrap();
     let of = |kind| bifurcations(family, kind, (frequency, force), &motion, 0.5..1.6);
-    let curve = |at: &Bifurcation<Structure>| {
-        orbit::locus(family, at, force, [0.5..1.6, 0.002..0.6]).unwrap()
-    };
+    let curve =
+        |at: &Bifurcation<State>| orbit::locus(family, at, force, [0.5..1.6, 0.002..0.6]).unwrap();
     let touches = curve(&of(BifurcationKind::Grazing)[1]);
     let known = special(&touches, SpecialKind::FoldGrazing);
     let folds = of(BifurcationKind::Fold);

@@ -13,7 +13,7 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
-    Integrator, MassOnBelt, Polynomial, Rational, Stribeck, Structure, System, bifurcation,
+    Integrator, MassOnBelt, Polynomial, Rational, Stribeck, Structure, SystemState, bifurcation,
     limit_cycle,
 };
 
@@ -23,7 +23,7 @@ use crate::reading::{cases, structure};
 /// Error promised for every parameter.
 const ACCURACY: f64 = 1e-10;
 
-fn at<S: System>(branch: &Branch<S>, kind: BifurcationKind) -> Vec<f64> {
+fn at<S: SystemState>(branch: &Branch<S>, kind: BifurcationKind) -> Vec<f64> {
     let of_kind = branch.bifurcations.iter().filter(|b| b.kind == kind);
     of_kind.map(|b| b.parameter).collect()
 }
@@ -103,7 +103,7 @@ fn paper(belt_velocity: f64) -> Result<MassOnBelt<Polynomial>, Error> {
     MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, belt_velocity)?.with_damping(0.05)
 }
 
-fn cycle<L: FrictionLaw>(system: &MassOnBelt<L>, is_stable: bool) -> Orbit<MassOnBelt<L>> {
+fn cycle<L: FrictionLaw>(system: &MassOnBelt<L>, is_stable: bool) -> Orbit<stick_slip::State> {
     let cycles = limit_cycle::find(system).unwrap();
     let cycle = cycles.iter().find(|cycle| cycle.is_stable() == is_stable);
     let cycle = cycle.unwrap();
@@ -244,7 +244,7 @@ fn stick_slip_with_dwell_ends_at_the_folds_of_the_reference() {
     }
 }
 
-fn small() -> (Structure, Orbit<Structure>) {
+fn small() -> (Structure, Orbit<State>) {
     let system = forced(0.3).unwrap();
     let orbit = settle(&system, &State::at_rest(1), 200.0, Period::Driven(1)).unwrap();
     (system, orbit)
@@ -412,15 +412,14 @@ fn what_cannot_be_followed_is_refused() {
             if matches!(**source, Error::NotPeriodic { .. }))
     };
     assert!(is_refused(&error), "{error}");
-    let error =
-        follow(|_| Err(Error::NotFree), 0.3, &orbit, 0.1..0.6).map(|_: Branch<Structure>| ());
+    let family = |_| Err::<Structure, _>(Error::NotFree);
     assert_eq!(
-        error,
-        Err(Error::At {
+        follow(family, 0.3, &orbit, 0.1..0.6).unwrap_err(),
+        Error::At {
             parameter: "parameter",
             value: 0.3,
             source: Box::new(Error::NotFree)
-        })
+        }
     );
 }
 
@@ -537,7 +536,7 @@ fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
         panic!("{:?}", branch.ends[1])
     };
     // R = a cos(0.7 t + 1) − q reaches −1 first, where the cosine is −1; any q near 1/4 is one.
-    let place = |orbit: &Orbit<Structure>| orbit.state().displacements[0];
+    let place = |orbit: &Orbit<State>| orbit.state().displacements[0];
     let last = branch.points.last().unwrap();
     let force = parameter + place(&last.orbit);
     assert!((force - 1.0).abs() < 1e-8, "{force}");
@@ -622,13 +621,13 @@ fn a_jump_is_where_motions_from_one_start_part() {
 
 /// Before a tangential release the first multiplier grows like 1/d, d the distance of the parameter
 /// from the end.
-fn check_tangential_end(branch: &Branch<Structure>, which: usize, end: f64) {
+fn check_tangential_end(branch: &Branch<State>, which: usize, end: f64) {
     let mut inwards: Vec<_> = branch.points.iter().collect();
     if which == 1 {
         inwards.reverse();
     }
-    let first = |point: &BranchPoint<Structure>| point.orbit.multipliers()[0].norm();
-    let distance = |point: &BranchPoint<Structure>| (point.parameter - end).abs();
+    let first = |point: &BranchPoint<State>| point.orbit.multipliers()[0].norm();
+    let distance = |point: &BranchPoint<State>| (point.parameter - end).abs();
     let last = inwards[0];
     let mut before = inwards.iter();
     let before = before.find(|point| first(point) < 0.5 * first(last));

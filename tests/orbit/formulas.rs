@@ -65,7 +65,7 @@ fn den_hartog(w: f64, z: f64, friction: f64, force: f64) -> (f64, [Complex<f64>;
     )
 }
 
-fn amplitude(orbit: &Orbit<Structure>) -> f64 {
+fn amplitude(orbit: &Orbit<State>) -> f64 {
     let (least, largest) = orbit.extremes(0);
     0.5 * (largest - least)
 }

@@ -28,7 +28,7 @@ fn structure([m, c, k, k_t, limit, force, omega]: Given, phase: f64) -> Structur
         .unwrap()
 }
 
-fn amplitude(orbit: &Orbit<Structure>) -> f64 {
+fn amplitude(orbit: &Orbit<State>) -> f64 {
     let (least, most) = orbit.extremes(0);
     0.5 * (most - least)
 }
@@ -139,7 +139,7 @@ fn branches_do_not_depend_on_units() {
     let [plain, scaled] = [[1.0, 1.0], [1.0 / time, length]].map(|units| branch(units).unwrap());
     assert!(plain.ends.iter().all(|end| *end == BranchEnd::Range));
     assert_eq!(plain.ends, scaled.ends);
-    let kinds = |branch: &Branch<Structure>| -> Vec<_> {
+    let kinds = |branch: &Branch<State>| -> Vec<_> {
         branch.bifurcations.iter().map(|found| found.kind).collect()
     };
     assert!(!plain.bifurcations.is_empty());

@@ -61,9 +61,9 @@ fn bifurcation(
     case: &Value,
     kind: BifurcationKind,
     second: f64,
-    (start, motion): (f64, &Orbit<Structure>),
+    (start, motion): (f64, &Orbit<State>),
     range: Range<f64>,
-) -> Vec<Bifurcation<Structure>> {
+) -> Vec<Bifurcation<State>> {
     let family = |first: f64| Ok(member(&case["system"], first, second));
     let branch = follow(family, start, motion, range).unwrap();
     let mut found = branch.bifurcations;
@@ -81,7 +81,7 @@ pub(crate) fn compare(
     case: &Value,
     points: &[Value],
     which: usize,
-    (at, second): (&Bifurcation<Structure>, f64),
+    (at, second): (&Bifurcation<State>, f64),
     ranges: &[Range<f64>; 2],
 ) -> f64 {
     let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
@@ -98,9 +98,8 @@ pub(crate) fn compare(
         }
         let locus = orbit::locus(family, at, second, ranges).unwrap();
         // The curve may meet this side at both of its ends.
-        let away = |point: &&LocusPoint<Structure>| {
-            (point.parameters[1 - which] - expected[1 - which]).abs()
-        };
+        let away =
+            |point: &&LocusPoint<State>| (point.parameters[1 - which] - expected[1 - which]).abs();
         let at_side = locus.points.iter();
         let at_side = at_side.filter(|point| point.parameters[which] == expected[which]);
         let there = at_side.min_by(|a, b| away(a).total_cmp(&away(b)));
@@ -117,7 +116,7 @@ pub(crate) fn compare(
 }
 
 /// The special points of a curve, each with its parameters.
-fn special(locus: &Locus<Structure>) -> Vec<(SpecialKind, [f64; 2])> {
+fn special(locus: &Locus<State>) -> Vec<(SpecialKind, [f64; 2])> {
     let special = locus.special.iter();
     special
         .map(|point| (point.kind, point.parameters))
@@ -125,12 +124,7 @@ fn special(locus: &Locus<Structure>) -> Vec<(SpecialKind, [f64; 2])> {
 }
 
 /// A special point of a kind has the parameters and the period of the reference.
-pub(crate) fn has_special(
-    locus: &Locus<Structure>,
-    kind: SpecialKind,
-    known: &Value,
-    accuracy: f64,
-) {
+pub(crate) fn has_special(locus: &Locus<State>, kind: SpecialKind, known: &Value, accuracy: f64) {
     let found = locus.special.iter().find(|point| point.kind == kind);
     let found = found.unwrap_or_else(|| panic!("{kind}: {:?}", special(locus)));
     let expected = parameters(known)

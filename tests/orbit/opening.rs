@@ -20,7 +20,7 @@ fn lifting(frequency: f64, phase: f64) -> Result<Structure, Error> {
         .with_contact(contact)
 }
 
-type Found = Branch<Structure>;
+type Found = Branch<State>;
 
 fn branch(phase: f64, range: std::ops::Range<f64>) -> Found {
     let family = |frequency: f64| lifting(frequency, phase);
@@ -29,7 +29,7 @@ fn branch(phase: f64, range: std::ops::Range<f64>) -> Found {
     follow(family, 1.3, &orbit, range).unwrap()
 }
 
-fn kinds(orbit: &Orbit<Structure>) -> Vec<String> {
+fn kinds(orbit: &Orbit<State>) -> Vec<String> {
     let kinds = orbit.events().iter().map(|event| event.kind.to_string());
     let mut kinds: Vec<String> = kinds.collect();
     kinds.sort();

@@ -11,12 +11,12 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, CycleKind, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck,
-    Structure, System,
+    Structure, SystemState,
 };
 
 use crate::common::count;
 
-fn show<S: System>(found: &VibrationRanges<S>) {
+fn show<S: SystemState>(found: &VibrationRanges<S>) {
     for range in &found.ranges {
         let kinds: Vec<String> = range.attractors.iter().map(ToString::to_string).collect();
         println!("{:?} {kinds:?} {:?}", range.parameters, range.borders);

@@ -74,11 +74,7 @@ impl Worst {
     }
 }
 
-fn compare<S: System<State = State>>(
-    case: &Value,
-    orbit: &Orbit<S>,
-    coordinates: &[usize],
-) -> Worst {
+fn compare(case: &Value, orbit: &Orbit<State>, coordinates: &[usize]) -> Worst {
     let id = text(&case["id"]);
     let mut worst = Worst::default();
     worst.meet("period", orbit.period(), number(&case["period"]));

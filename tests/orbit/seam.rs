@@ -29,7 +29,7 @@ fn apart(found: &[Complex<f64>], expected: &[Complex<f64>]) -> f64 {
     largest
 }
 
-fn kinds(orbit: &Orbit<impl System<State = State>>) -> Vec<(usize, String)> {
+fn kinds(orbit: &Orbit<State>) -> Vec<(usize, String)> {
     let mut kinds: Vec<_> = orbit
         .events()
         .iter()
@@ -39,7 +39,7 @@ fn kinds(orbit: &Orbit<impl System<State = State>>) -> Vec<(usize, String)> {
     kinds
 }
 
-fn same<S: Oscillator + System<State = State>>(about: &str, one: &Orbit<S>, other: &Orbit<S>) {
+fn same(about: &str, one: &Orbit<State>, other: &Orbit<State>) {
     let difference = apart(other.multipliers(), one.multipliers());
     assert!(
         difference < 1e-11,
@@ -47,7 +47,7 @@ fn same<S: Oscillator + System<State = State>>(about: &str, one: &Orbit<S>, othe
         other.multipliers(),
         one.multipliers()
     );
-    let zeros = |orbit: &Orbit<S>| {
+    let zeros = |orbit: &Orbit<State>| {
         orbit
             .multipliers()
             .iter()

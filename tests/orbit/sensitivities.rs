@@ -4,13 +4,14 @@
 use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{
-    NotDifferentiable, Oscillator, Period, orbit_sensitivities, sensitivities, settle, shoot,
+    NotDifferentiable, Period, orbit_sensitivities, sensitivities, settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Drive, Error, EventKind, Exponential, MassOnBelt, Mode, Polynomial, Structure,
 };
 
+use crate::common::orbit::monodromy;
 use crate::common::text;
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
@@ -137,8 +138,8 @@ fn derivatives_by_the_start_are_those_of_the_tangent_flow() {
             Err(Error::NoDerivative { .. }) => continue,
             Err(error) => panic!("{id}: {error}"),
         };
-        let map = system.form().period_map(&state, duration).unwrap();
-        let exact: DMatrix<f64> = map.monodromy().columns(0, 2 * n).into();
+        let (_, matrix) = monodromy(&system, &state, duration).unwrap();
+        let exact: DMatrix<f64> = matrix.columns(0, 2 * n).into();
         let error = (&found - &exact).amax() / exact.amax().max(1.0);
         println!("{id}: {error:.1e}");
         assert!(error < 1e-9, "{id}: {error:e}");
@@ -181,7 +182,7 @@ fn orbits_follow_their_parameters() {
         };
         let [low, high] = [-h, h].map(beside);
         for event in &events {
-            let nearest = |orbit: &stick_slip::orbit::Orbit<Structure>| {
+            let nearest = |orbit: &stick_slip::orbit::Orbit<State>| {
                 let times = orbit.events().iter().map(|event| event.time);
                 let period = orbit.period();
                 let shifted = times.flat_map(|t| [t, t + period]);

@@ -46,7 +46,7 @@ fn bisect(holds: impl Fn(f64) -> bool) -> f64 {
 
 /// Steady sliding is an attractor at and only at speeds above a Hopf point, and the sweep found it.
 #[track_caller]
-fn slides_from(found: &VibrationRanges<Structure>, hopf: f64) {
+fn slides_from(found: &VibrationRanges<State>, hopf: f64) {
     let mut border = None;
     for range in &found.ranges {
         let slides = range.attractors.contains(&AttractorKind::SteadySliding);

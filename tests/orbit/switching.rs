@@ -21,7 +21,7 @@ fn parameters(point: &Value) -> [f64; 2] {
 }
 
 /// The branch over the second parameter between the neighbours of a point of a reference curve.
-fn branch(case: &Value, point: &Value) -> Branch<Structure> {
+fn branch(case: &Value, point: &Value) -> Branch<State> {
     let [first, second] = parameters(point);
     let family = |second: f64| Ok(member(&case["system"], first, second));
     let begin = 0.999 * second;
@@ -36,7 +36,7 @@ fn branch(case: &Value, point: &Value) -> Branch<Structure> {
     follow(family, begin, &orbit, low..high).unwrap()
 }
 
-fn only(branch: &Branch<Structure>, kind: BifurcationKind) -> &Bifurcation<Structure> {
+fn only(branch: &Branch<State>, kind: BifurcationKind) -> &Bifurcation<State> {
     let [found] = &branch.bifurcations[..] else {
         panic!("{:?}", branch.bifurcations)
     };
@@ -45,7 +45,7 @@ fn only(branch: &Branch<Structure>, kind: BifurcationKind) -> &Bifurcation<Struc
 }
 
 /// The times of release of a motion.
-fn releases(orbit: &Orbit<Structure>) -> Vec<f64> {
+fn releases(orbit: &Orbit<State>) -> Vec<f64> {
     let events = orbit.events().iter();
     let releases = events.filter(|event| matches!(event.kind, EventKind::Release(_)));
     releases.map(|event| event.time).collect()

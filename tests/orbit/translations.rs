@@ -112,7 +112,7 @@ fn string(inertias: usize, torque: f64, ground: f64) -> Result<Structure, Error>
         .with_contact(Contact::new(0, law, 1.0)?.on_belt(ground))
 }
 
-fn turning(inertias: usize, torque: f64) -> Orbit<Structure> {
+fn turning(inertias: usize, torque: f64) -> Orbit<State> {
     let start = State::new(&vec![0.0; inertias], &vec![0.5; inertias]);
     let system = string(inertias, torque, 0.0).unwrap();
     let attractor = classify(&system, &start).unwrap();
@@ -399,7 +399,7 @@ fn pitchforks_of_a_free_shaft_are_those_of_its_twist() {
         for found in &branch.bifurcations {
             println!("{is_free} {:?} {}", found.kind, found.parameter);
         }
-        let pitchfork: Vec<Bifurcation<Structure>> = branch
+        let pitchfork: Vec<Bifurcation<State>> = branch
             .bifurcations
             .into_iter()
             .filter(|found| found.kind == BifurcationKind::Pitchfork)
@@ -544,9 +544,9 @@ mod loci {
         family: impl Fn(f64, f64) -> Result<Structure, Error>,
         kind: BifurcationKind,
         (start, second): (f64, f64),
-        motion: &Orbit<Structure>,
+        motion: &Orbit<State>,
         range: std::ops::Range<f64>,
-    ) -> Vec<Bifurcation<Structure>> {
+    ) -> Vec<Bifurcation<State>> {
         let branch = follow(|first| family(first, second), start, motion, range).unwrap();
         let mut found = branch.bifurcations;
         found.retain(|found| found.kind == kind);
@@ -555,7 +555,7 @@ mod loci {
     }
 
     /// The special points and the ends of a curve, in the order of the first parameter.
-    fn marks(locus: &Locus<Structure>) -> Vec<([f64; 2], String)> {
+    fn marks(locus: &Locus<State>) -> Vec<([f64; 2], String)> {
         let special = locus.special.iter();
         let special = special.map(|point| (point.parameters, point.kind.to_string()));
         let last = [0, locus.points.len() - 1];
@@ -570,7 +570,7 @@ mod loci {
     }
 
     /// Asserts that two curves are the same.
-    fn assert_same(a: &Locus<Structure>, b: &Locus<Structure>) {
+    fn assert_same(a: &Locus<State>, b: &Locus<State>) {
         assert_eq!(a.kind, b.kind);
         let [a, b] = [a, b].map(marks);
         assert_eq!(a.len(), b.len(), "{a:?} {b:?}");

@@ -24,7 +24,7 @@ pub(super) fn oscillator(force: f64, frequency: f64) -> std::result::Result<Syst
         .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
 }
 
-fn branch(force: f64) -> std::result::Result<Branch<System>, Error> {
+fn branch(force: f64) -> std::result::Result<Branch<State>, Error> {
     let frequency = 0.9;
     let system = oscillator(force, frequency)?;
     let start = orbit::settle(&system, &State::at_rest(1), 400.0, Period::Driven(1))?;
@@ -36,13 +36,13 @@ fn branch(force: f64) -> std::result::Result<Branch<System>, Error> {
     )
 }
 
-fn amplitude(orbit: &orbit::Orbit<System>) -> f64 {
+fn amplitude(orbit: &orbit::Orbit<State>) -> f64 {
     let (low, high) = orbit.extremes(0);
     0.5 * (high - low)
 }
 
 /// Pieces of a branch that are drawn alike; neighbours share a point.
-fn pieces(branch: &Branch<System>) -> Vec<(Stroke, Vec<Point>)> {
+fn pieces(branch: &Branch<State>) -> Vec<(Stroke, Vec<Point>)> {
     let mut pieces: Vec<((bool, bool), Vec<Point>)> = Vec::new();
     for point in &branch.points {
         let sticks = point.orbit.events().iter();

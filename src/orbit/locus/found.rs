@@ -4,13 +4,14 @@ use std::fmt;
 
 use super::super::periodic_orbit::Orbit;
 use crate::error::Error;
-use crate::motion::System;
+use crate::motion::SystemState;
 use crate::numerics::trace::End;
 
 /// A curve of bifurcations of periodic motions in two parameters; returned by
 /// [`locus`](super::locus()).
+#[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct Locus<S: System> {
+pub struct Locus<S: SystemState> {
     /// The kind of bifurcation.
     pub kind: LocusKind,
     /// The points, from one end of the curve to the other.
@@ -22,8 +23,9 @@ pub struct Locus<S: System> {
 }
 
 /// A point of a [`Locus`].
+#[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct LocusPoint<S: System> {
+pub struct LocusPoint<S: SystemState> {
     /// The two parameters, in their own units.
     pub parameters: [f64; 2],
     /// The motion at the bifurcation, with its multipliers.
@@ -31,8 +33,9 @@ pub struct LocusPoint<S: System> {
 }
 
 /// A special point of a [`Locus`].
+#[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct SpecialPoint<S: System> {
+pub struct SpecialPoint<S: SystemState> {
     /// The second condition, which holds at this point in addition to that of the curve.
     pub kind: SpecialKind,
     /// The two parameters, in their own units.
@@ -85,61 +88,6 @@ impl fmt::Display for LocusKind {
             Self::StopOnset { .. } => "onset of stops",
             Self::Order { .. } => "order of events",
         })
-    }
-}
-
-impl<S: System> Clone for Locus<S> {
-    fn clone(&self) -> Self {
-        Self {
-            kind: self.kind,
-            points: self.points.clone(),
-            special: self.special.clone(),
-            ends: self.ends.clone(),
-        }
-    }
-}
-
-impl<S: System> Clone for LocusPoint<S> {
-    fn clone(&self) -> Self {
-        let orbit = self.orbit.clone();
-        Self { orbit, ..*self }
-    }
-}
-
-impl<S: System> Clone for SpecialPoint<S> {
-    fn clone(&self) -> Self {
-        let orbit = self.orbit.clone();
-        Self { orbit, ..*self }
-    }
-}
-
-impl<S: System> fmt::Debug for Locus<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Locus")
-            .field("kind", &self.kind)
-            .field("points", &self.points)
-            .field("special", &self.special)
-            .field("ends", &self.ends)
-            .finish()
-    }
-}
-
-impl<S: System> fmt::Debug for LocusPoint<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("LocusPoint")
-            .field("parameters", &self.parameters)
-            .field("orbit", &self.orbit)
-            .finish()
-    }
-}
-
-impl<S: System> fmt::Debug for SpecialPoint<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SpecialPoint")
-            .field("kind", &self.kind)
-            .field("parameters", &self.parameters)
-            .field("orbit", &self.orbit)
-            .finish()
     }
 }
 

@@ -36,6 +36,7 @@ use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::EventKind;
+use crate::motion::sealed::State as _;
 use crate::numerics::trace::{Point, check_ranges};
 
 /// The curve through a bifurcation, in two parameters of the system.
@@ -193,10 +194,10 @@ use crate::numerics::trace::{Point, check_ranges};
 #[doc(alias = "codimension two")]
 pub fn locus<S: Oscillator>(
     family: impl Fn(f64, f64) -> Result<S, Error>,
-    at: &Bifurcation<S>,
+    at: &Bifurcation<S::State>,
     second: f64,
     ranges: [Range<f64>; 2],
-) -> Result<Locus<S>, Error> {
+) -> Result<Locus<S::State>, Error> {
     Search::new().locus(family, at, second, ranges)
 }
 
@@ -210,10 +211,10 @@ impl Search<'_> {
     pub fn locus<S: Oscillator>(
         &self,
         family: impl Fn(f64, f64) -> Result<S, Error>,
-        at: &Bifurcation<S>,
+        at: &Bifurcation<S::State>,
         second: f64,
         ranges: [Range<f64>; 2],
-    ) -> Result<Locus<S>, Error> {
+    ) -> Result<Locus<S::State>, Error> {
         self.locus_of(&family, at, second, ranges)
     }
 
@@ -221,10 +222,10 @@ impl Search<'_> {
     fn locus_of<S: Oscillator>(
         &self,
         family: &SystemsOfTwo<'_, S>,
-        at: &Bifurcation<S>,
+        at: &Bifurcation<S::State>,
         second: f64,
         ranges: [Range<f64>; 2],
-    ) -> Result<Locus<S>, Error> {
+    ) -> Result<Locus<S::State>, Error> {
         let of = "orbit::locus";
         check_ranges(of, &ranges)?;
         let inside = "inside its range";
@@ -238,7 +239,7 @@ impl Search<'_> {
         let system = family(at.parameter, second).map_err(place)?;
         let form = system.form();
         let watched = self.watch("parameter");
-        let start = vector(&S::general(&at.orbit.state()), form.order());
+        let start = vector(&at.orbit.state().general(), form.order());
         let mut motions = Motions::new(
             &members,
             at.orbit.kind(),
@@ -362,7 +363,7 @@ fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
     kind: LocusKind,
     curve: &E,
     (y, near): (&DVector<f64>, &E::Value),
-) -> Result<Locus<S>, Error> {
+) -> Result<Locus<S::State>, Error> {
     let motions = curve.motions();
     let first = first_point(curve, y, near)?;
     let (points, special, ends) = both_ways(curve, &first);

@@ -6,12 +6,13 @@ use std::ops::Range;
 use super::super::attractor::AttractorKind;
 use super::super::branch::{BifurcationKind, Branch};
 use super::super::sweep::Sweep;
-use crate::motion::System;
+use crate::motion::SystemState;
 
 /// The attractors of a system over a range of a parameter: see
 /// [`vibration_ranges`](super::vibration_ranges()).
+#[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct VibrationRanges<S: System> {
+pub struct VibrationRanges<S: SystemState> {
     /// The ranges, in ascending order. Together they cover the range that was searched, except the
     /// values at which the family returns an error.
     pub ranges: Vec<VibrationRange>,
@@ -128,26 +129,5 @@ impl From<BifurcationKind> for Border {
             BifurcationKind::Grazing => Self::Grazing,
             BifurcationKind::Sequence => Self::Sequence,
         }
-    }
-}
-
-impl<S: System> Clone for VibrationRanges<S> {
-    fn clone(&self) -> Self {
-        Self {
-            ranges: self.ranges.clone(),
-            branches: self.branches.clone(),
-            sweep: self.sweep.clone(),
-            stopped: self.stopped,
-        }
-    }
-}
-
-impl<S: System> fmt::Debug for VibrationRanges<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("VibrationRanges")
-            .field("ranges", &self.ranges)
-            .field("branches", &self.branches)
-            .field("stopped", &self.stopped)
-            .finish_non_exhaustive()
     }
 }

@@ -16,7 +16,8 @@ use super::periodic_orbit::Orbit;
 use super::search::Search;
 use super::sweep::{Sweep, SweepPoint};
 use crate::error::Error;
-use crate::motion::System;
+use crate::motion::SystemState;
+use crate::motion::sealed::State as _;
 use crate::numerics::bracket::border;
 use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
@@ -112,7 +113,7 @@ const SMALL: f64 = 1e-3;
 pub fn vibration_ranges<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     range: Range<f64>,
-) -> Result<VibrationRanges<S>, Error> {
+) -> Result<VibrationRanges<S::State>, Error> {
     Search::new().vibration_ranges(family, range)
 }
 
@@ -132,7 +133,7 @@ impl Search<'_> {
         &self,
         family: impl Fn(f64) -> Result<S, Error>,
         range: Range<f64>,
-    ) -> Result<VibrationRanges<S>, Error> {
+    ) -> Result<VibrationRanges<S::State>, Error> {
         self.ranges_of(&family, range)
     }
 
@@ -141,7 +142,7 @@ impl Search<'_> {
         &self,
         family: &Systems<'_, S>,
         range: Range<f64>,
-    ) -> Result<VibrationRanges<S>, Error> {
+    ) -> Result<VibrationRanges<S::State>, Error> {
         let Range { start, end } = range;
         let of = "orbit::vibration_ranges";
         Error::check(of, "range.start", start, true, "start < end")?;
@@ -155,17 +156,17 @@ impl Search<'_> {
                 .collect()
         };
         let first = family(start).map_err(|error| error.at("parameter", start))?;
-        let rest = S::own(&State::at_rest(first.form().len()));
+        let rest = S::State::of_general(&State::at_rest(first.form().len()));
         let sweep = search.sweep(family, &places(SWEPT), &rest)?;
         let steady = steady_along(family, &places(INTERVALS));
         let systems = systems(family, &places(INTERVALS));
-        let mut branches: Vec<Branch<S>> = Vec::new();
+        let mut branches: Vec<Branch<S::State>> = Vec::new();
         let swept = sweep.up.iter().chain(&sweep.down);
         let swept = swept.filter_map(|point| {
             let orbit = point.attractor.as_ref().ok().and_then(Attractor::orbit)?;
             Some((point.parameter, orbit))
         });
-        let mut follow = |parameter: f64, orbit: &Orbit<S>| {
+        let mut follow = |parameter: f64, orbit: &Orbit<S::State>| {
             if !branches
                 .iter()
                 .any(|branch| is_on(branch, parameter, orbit))
@@ -194,12 +195,12 @@ impl Search<'_> {
         for branch in &branches {
             search.add_stretches(family, branch, &known, &mut stretches);
         }
-        let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S>>| {
+        let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S::State>>| {
             search.different(family, parameter, stretches)
         };
         // A motion on a branch is known, and so is an equilibrium that repels: near a change of its
         // stability a sweep takes it for an attractor.
-        let is_known = |point: &SweepPoint<S>| match &point.attractor {
+        let is_known = |point: &SweepPoint<S::State>| match &point.attractor {
             Ok(Attractor::PureSlip(orbit) | Attractor::StickSlip(orbit)) => branches
                 .iter()
                 .any(|branch| is_on(branch, point.parameter, orbit)),
@@ -219,9 +220,9 @@ impl Search<'_> {
     fn add_stretches<'b, S: Oscillator>(
         &self,
         family: &Systems<'_, S>,
-        branch: &'b Branch<S>,
+        branch: &'b Branch<S::State>,
         known: &Known<'_>,
-        stretches: &mut Vec<Stretch<'b, S>>,
+        stretches: &mut Vec<Stretch<'b, S::State>>,
     ) {
         let points = &branch.points;
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
@@ -261,7 +262,7 @@ impl Search<'_> {
                 continue;
             };
             let inside = &points[*from..*to];
-            let motions: Vec<(f64, &Orbit<S>)> = if inside.is_empty() {
+            let motions: Vec<(f64, &Orbit<S::State>)> = if inside.is_empty() {
                 let ends = [found, next].into_iter().flatten();
                 ends.map(|found| (found.parameter, &found.orbit)).collect()
             } else {
@@ -294,12 +295,12 @@ impl Search<'_> {
     fn between<S: Oscillator>(
         &self,
         family: &Systems<'_, S>,
-        ends: &[(f64, &Orbit<S>)],
+        ends: &[(f64, &Orbit<S::State>)],
         parameter: f64,
     ) -> Option<AttractorKind> {
         let system = family(parameter).ok()?;
         let sizes = ends.iter().map(|end| extent(end.1)).sum::<f64>();
-        let off = |motion: &Orbit<S>| (extent(motion) - sizes / ends.len() as f64).abs();
+        let off = |motion: &Orbit<S::State>| (extent(motion) - sizes / ends.len() as f64).abs();
         let found = ends.iter().filter_map(|(_, end)| {
             let motion = self.shoot(&system, &end.state(), end.kind());
             motion.ok()
@@ -313,23 +314,23 @@ impl Search<'_> {
         &self,
         family: &Systems<'_, S>,
         parameter: f64,
-        stretches: Vec<&Stretch<'_, S>>,
+        stretches: Vec<&Stretch<'_, S::State>>,
     ) -> Vec<AttractorKind> {
         let periodic = stretches.iter().filter(|found| !found.motions.is_empty());
         let system = match periodic.count() {
             0 | 1 => None,
             _ => family(parameter).ok(),
         };
-        let motion = |stretch: &Stretch<'_, S>| {
+        let motion = |stretch: &Stretch<'_, S::State>| {
             system.as_ref()?;
             let found = self.motion_at(family, stretch, parameter)?;
             (attracts(&found) == Some(stretch.kind)).then_some(found)
         };
-        let mut motions: Vec<Orbit<S>> = Vec::new();
+        let mut motions: Vec<Orbit<S::State>> = Vec::new();
         let mut kinds = Vec::new();
         for stretch in stretches {
             let found = motion(stretch);
-            let is_known = |found: &Orbit<S>| {
+            let is_known = |found: &Orbit<S::State>| {
                 let mut motions = motions.iter();
                 let is_same = |system| motions.any(|known| is_one(system, known, found));
                 system.as_ref().is_some_and(is_same)
@@ -347,13 +348,13 @@ impl Search<'_> {
     fn motion_at<S: Oscillator>(
         &self,
         family: &Systems<'_, S>,
-        stretch: &Stretch<'_, S>,
+        stretch: &Stretch<'_, S::State>,
         parameter: f64,
-    ) -> Option<Orbit<S>> {
+    ) -> Option<Orbit<S::State>> {
         /// The shortest step, as a part of the first one; the largest change of an extent in one.
         const SHORTEST: f64 = 1.0 / 64.0;
         const NEAR: f64 = 0.1;
-        let off = |motion: &&(f64, &Orbit<S>)| (motion.0 - parameter).abs();
+        let off = |motion: &&(f64, &Orbit<S::State>)| (motion.0 - parameter).abs();
         let nearest = stretch
             .motions
             .iter()
@@ -436,7 +437,7 @@ fn systems<S>(family: &Systems<'_, S>, places: &[f64]) -> Vec<Range<f64>> {
 }
 
 /// A range in which one attractor exists.
-struct Stretch<'b, S: System> {
+struct Stretch<'b, S: SystemState> {
     kind: AttractorKind,
     parameters: Range<f64>,
     borders: [Border; 2],
@@ -444,12 +445,15 @@ struct Stretch<'b, S: System> {
     motions: Vec<(f64, &'b Orbit<S>)>,
 }
 
-fn attracts<S: System>(orbit: &Orbit<S>) -> Option<AttractorKind> {
+fn attracts<S: SystemState>(orbit: &Orbit<S>) -> Option<AttractorKind> {
     orbit.is_stable().then(|| kind_of(orbit))
 }
 
 /// The ranges in which steady sliding is stable.
-fn steady_stretches<'b, S: System>(steady: &SteadyAlong, range: Range<f64>) -> Vec<Stretch<'b, S>> {
+fn steady_stretches<'b, S: SystemState>(
+    steady: &SteadyAlong,
+    range: Range<f64>,
+) -> Vec<Stretch<'b, S>> {
     let border = |at: f64| {
         let mut crossings = steady.crossings.iter();
         match crossings.find(|crossing| crossing.parameter == at) {
@@ -470,7 +474,7 @@ fn steady_stretches<'b, S: System>(steady: &SteadyAlong, range: Range<f64>) -> V
 }
 
 /// The ranges between all borders, those with the same attractors as one.
-fn ranges<'b, S: System>(
+fn ranges<'b, S: SystemState>(
     stretches: &[Stretch<'b, S>],
     sweep: &Sweep<S>,
     systems: &[Range<f64>],

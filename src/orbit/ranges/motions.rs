@@ -4,7 +4,8 @@ use super::super::branch::{Branch, BranchPoint};
 use super::super::oscillator::Oscillator;
 use super::super::period::Period;
 use super::super::periodic_orbit::Orbit;
-use crate::motion::Segment;
+use crate::motion::sealed::State as _;
+use crate::motion::{Segment, SystemState};
 use crate::state::structure::State;
 
 /// The largest distance of a state from the motion on which it lies, as a part of the extent: the
@@ -15,13 +16,13 @@ const ONE: f64 = 1e-7;
 const ON_BRANCH: f64 = 1e-2;
 
 /// The least and the largest displacements of a motion.
-fn extremes<S: Oscillator>(orbit: &Orbit<S>) -> Vec<(f64, f64)> {
-    let count = S::general(&orbit.state()).displacements.len();
+fn extremes<S: SystemState>(orbit: &Orbit<S>) -> Vec<(f64, f64)> {
+    let count = orbit.state().general().displacements.len();
     (0..count).map(|i| orbit.extremes(i)).collect()
 }
 
 /// The largest extent of a motion.
-pub(super) fn extent<S: Oscillator>(orbit: &Orbit<S>) -> f64 {
+pub(super) fn extent<S: SystemState>(orbit: &Orbit<S>) -> f64 {
     let extents = extremes(orbit).into_iter();
     extents
         .map(|(least, most)| most - least)
@@ -38,12 +39,12 @@ fn fits(period: f64, other: f64, error: f64) -> bool {
 /// Returns true if two motions of one system are the same: one passes the states of the other, at
 /// the same phase of the drives. It may begin elsewhere and take another number of periods. Motions
 /// that differ have no state in common, however near they lie.
-pub(super) fn is_one<S: Oscillator>(system: &S, a: &Orbit<S>, b: &Orbit<S>) -> bool {
+pub(super) fn is_one<S: Oscillator>(system: &S, a: &Orbit<S::State>, b: &Orbit<S::State>) -> bool {
     /// Instants of a period, apart from each other, at which they are compared.
     const PLACES: [f64; 3] = [0.0, 0.37, 0.71];
     let form = system.form();
-    let numbers = |orbit: &Orbit<S>, time: f64| {
-        let state = S::general(&orbit.trajectory().state_at(time)?);
+    let numbers = |orbit: &Orbit<S::State>, time: f64| {
+        let state = orbit.trajectory().state_at(time)?.general();
         let state = form.put_back(&state, &State::at_rest(form.len()));
         Some([state.displacements, state.velocities].concat())
     };
@@ -78,7 +79,7 @@ pub(super) fn is_one<S: Oscillator>(system: &S, a: &Orbit<S>, b: &Orbit<S>) -> b
 }
 
 /// The least of a distance along a motion, which falls and rises linearly beside a zero.
-fn nearest<S: Oscillator>(orbit: &Orbit<S>, apart: impl Fn(f64) -> f64) -> f64 {
+fn nearest<S: SystemState>(orbit: &Orbit<S>, apart: impl Fn(f64) -> f64) -> f64 {
     /// Parts of a step, and sections of an interval by its golden ratio.
     const PARTS: usize = 8;
     const SECTIONS: usize = 64;
@@ -111,7 +112,7 @@ fn nearest<S: Oscillator>(orbit: &Orbit<S>, apart: impl Fn(f64) -> f64) -> f64 {
 
 /// Returns true if a motion belongs to a branch: its numbers lie between those of neighbouring
 /// points.
-pub(super) fn is_on<S: Oscillator>(branch: &Branch<S>, parameter: f64, orbit: &Orbit<S>) -> bool {
+pub(super) fn is_on<S: SystemState>(branch: &Branch<S>, parameter: f64, orbit: &Orbit<S>) -> bool {
     let numbers = |orbit: &Orbit<S>| -> Vec<f64> {
         let extremes = extremes(orbit).into_iter();
         extremes.flat_map(|(least, most)| [least, most]).collect()
@@ -136,7 +137,7 @@ pub(super) fn is_on<S: Oscillator>(branch: &Branch<S>, parameter: f64, orbit: &O
 }
 
 /// Returns true if most of some motions of a branch belong to another one.
-pub(super) fn is_same<S: Oscillator>(known: &Branch<S>, branch: &Branch<S>) -> bool {
+pub(super) fn is_same<S: SystemState>(known: &Branch<S>, branch: &Branch<S>) -> bool {
     const TRIED: usize = 9;
     let count = branch.points.len();
     let tried = (0..TRIED).filter_map(|i| branch.points.get(count * (i + 1) / (TRIED + 1)));

@@ -18,6 +18,7 @@ use super::search::{Search, Watched};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::NotDifferentiable;
+use crate::motion::sealed::State as _;
 use crate::motion::{Event, EventKind, Segment};
 use crate::numerics::least_norm::least_norm;
 use crate::state::structure::State;
@@ -316,7 +317,7 @@ pub fn sensitivities<S: Oscillator>(
 pub fn orbit_sensitivities<S: Oscillator>(
     family: impl Fn(&[f64]) -> Result<S, Error>,
     parameters: &[f64],
-    orbit: &Orbit<S>,
+    orbit: &Orbit<S::State>,
 ) -> Result<OrbitSensitivities, Error> {
     Search::new().orbit_sensitivities(family, parameters, orbit)
 }
@@ -341,7 +342,7 @@ impl Search<'_> {
         let work = Work::new(self);
         let run = |parameters: &[f64], expected: usize| {
             let (system, start) = family(parameters)?;
-            let start = S::general(&start);
+            let start = start.general();
             work.with(system.form(), |form| {
                 Run::of(form, (0.0, &start), duration, expected)
             })
@@ -359,10 +360,10 @@ impl Search<'_> {
         &self,
         family: impl Fn(&[f64]) -> Result<S, Error>,
         parameters: &[f64],
-        orbit: &Orbit<S>,
+        orbit: &Orbit<S::State>,
     ) -> Result<OrbitSensitivities, Error> {
         let family = |parameters: &[f64]| member(family(parameters));
-        let (start, kind) = (S::general(&orbit.state()), orbit.kind());
+        let (start, kind) = (orbit.state().general(), orbit.kind());
         of_orbit(self, &family, parameters, (&start, orbit.period(), kind))
     }
 }

@@ -6,6 +6,7 @@ use super::model::Model;
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::memory::Slip;
+use crate::motion::sealed::Part as _;
 use crate::motion::{Mode, Segment};
 use crate::state::Direction;
 use crate::state::structure::State;
