@@ -135,6 +135,8 @@
 //!   decided together with them. If contacts with linearly dependent directions would stick at the
 //!   same time, the run returns [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
+//!   `structures::ties::ties_are_decided_as_by_all_patterns_tried`,
+//!   `structures::ties::a_stack_of_one_material_moves_as_its_lumped_body`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::contacts_come_to_rest_with_those_that_they_depend_on`,
 //!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.

@@ -54,6 +54,11 @@ use crate::friction::memory::ContactLaw;
 ///   to its kinetic value over a small range of sliding speeds leads to this rule as the range
 ///   shrinks to 0.
 ///
+/// Contacts that reach the ends of their stick bands at the same time are compared by the first
+/// derivatives of r that are not 0, in place of r'. A contact whose r stays 0 sticks, also if its
+/// force stays at its limit: blocks of one material on each other, of which the lowest is pulled,
+/// move as one body on it.
+///
 /// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
 /// dependent (parallel clutches) may slide. If all of them would stick at the same time, the motion
 /// ends with [`Error::Undetermined`].

@@ -28,5 +28,6 @@ mod restarts;
 mod steady;
 mod steady_at;
 mod stiff_memory;
+mod ties;
 mod trajectories;
 mod two_engines;

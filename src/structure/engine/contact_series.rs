@@ -1,6 +1,7 @@
 //! The power series at one contact in a step.
 
 use super::contact::ContactData;
+use super::factor::ROUNDING;
 use crate::scalar::jet::Tape;
 use crate::series::PowerSeries;
 
@@ -34,6 +35,8 @@ pub(super) struct ContactSeries {
     /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
     /// alone without a drive: the force that stick would need, from order 1 on.
     pub(super) carried: PowerSeries,
+    /// Bounds of its rounding errors, where the sign of the first nonzero coefficient decides.
+    pub(super) carried_rounding: PowerSeries,
     /// N μ_s; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
     /// N.
@@ -74,6 +77,7 @@ impl ContactSeries {
             guided: None,
             surface: PowerSeries::of(contact.belt_velocity.value(time)),
             carried: PowerSeries::ZERO,
+            carried_rounding: PowerSeries::ZERO,
             bound: PowerSeries::ZERO,
             load,
             drive_load: load,
@@ -87,6 +91,11 @@ impl ContactSeries {
             relaxation: 0.0,
             tape: Tape::new(),
         }
+    }
+
+    /// Bound of the rounding error of coefficient k of the distance from the edge of the band.
+    pub(super) fn rounding(&self, k: usize) -> f64 {
+        self.carried_rounding[k] + ROUNDING * self.bound[k].abs()
     }
 
     /// Keeps the memory constant.

@@ -2,7 +2,7 @@
 //! there, and the side to which the contact leaves the edge.
 
 use super::contact_series::ContactSeries;
-use crate::series::PowerSeries;
+use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 
 /// Rounding error of the force in a contact, in units of ε times the sum of its terms, within which
@@ -23,6 +23,8 @@ pub(super) enum Edge {
     /// The contact is on the bound, and this number of the first coefficients of its distance are
     /// 0: one if it reaches the bound, two if it only touches it.
     On(Option<Direction>, usize),
+    /// The contact stays on the bound: all coefficients of its distance are 0.
+    Along(Direction),
 }
 
 impl Edge {
@@ -36,6 +38,7 @@ impl Edge {
         match self {
             Self::Away => 0,
             Self::On(_, known) => known,
+            Self::Along(_) => TERMS,
         }
     }
 
@@ -43,6 +46,7 @@ impl Edge {
     fn is_at(self, side: Direction) -> bool {
         match self {
             Self::On(at, _) => at.is_none_or(|at| at == side),
+            Self::Along(at) => at == side,
             Self::Away => false,
         }
     }
@@ -65,6 +69,18 @@ impl Edge {
     pub(super) fn leaving(series: &ContactSeries, side: Direction) -> (Self, f64) {
         let distance = Self::reached(Some(side)).distance(series, side);
         leaving(&distance, series.bound[0], Some(side))
+    }
+}
+
+impl ContactSeries {
+    /// Returns true if a force that stays on an edge of its band is still there a time t after the
+    /// start of the step, within rounding.
+    pub(super) fn stays_along(&self, edge: Edge, t: f64) -> bool {
+        let Edge::Along(side) = edge else {
+            return false;
+        };
+        let rounding = PowerSeries::from_fn(|k| self.rounding(k)).at(t);
+        Edge::Away.distance(self, side).at(t).abs() <= rounding
     }
 }
 
@@ -105,4 +121,15 @@ pub(super) fn deciding(distance: &PowerSeries, bound: f64) -> Option<(usize, f64
         return Some((order + 1, second));
     }
     Some((order, first))
+}
+
+/// The same for a contact that shares coordinates, on an edge of its band: coefficients that are
+/// rounding count as 0. `None` if all are.
+pub(super) fn deciding_distance(of: &ContactSeries, side: Direction) -> Option<(usize, f64)> {
+    let distance = Edge::reached(Some(side)).distance(of, side);
+    let distance = PowerSeries::from_fn(|k| {
+        let is_rounding = distance[k].abs() <= of.rounding(k);
+        if is_rounding { 0.0 } else { distance[k] }
+    });
+    deciding(&distance, of.bound[0])
 }

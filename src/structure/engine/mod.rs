@@ -29,6 +29,7 @@
 //! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
 //! | `modes_after.rs` | the modes of contacts after an event, one by one |
 //! | `shared_modes.rs` | the modes of contacts that share coordinates, together |
+//! | `programme.rs` | the programme for their forces and accelerations |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
 mod alone;
@@ -54,6 +55,7 @@ pub(crate) mod modes;
 mod modes_after;
 mod passages;
 mod plan;
+mod programme;
 mod reconcile;
 mod series;
 mod shared;

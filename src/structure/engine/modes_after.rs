@@ -119,11 +119,16 @@ fn revise(
     for c in 0..situation.contacts.len() {
         changed |= revise_mode(model, situation, series, c, may_jump);
     }
-    if let Some(decision) = decision {
-        changed |= decision.revise(model, situation, series);
-    }
+    changed |= Decision::turn_back(model, situation, series);
     changed |= revise_elastic(model, situation, series);
-    Ok(changed)
+    match decision {
+        None => Ok(changed),
+        Some(decision) if changed => {
+            decision.ask_rates_again();
+            Ok(true)
+        }
+        Some(decision) => decision.revise(model, situation, series),
+    }
 }
 
 /// A contact that has reached r = 0 is assumed to stick until its force shows that it does not.

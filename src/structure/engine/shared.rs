@@ -115,6 +115,7 @@ fn note_rounding(model: &Model<'_>, situation: &Situation, series: &mut Series, 
     for (place, (&c, size)) in std::iter::zip(contacts, of_forces).enumerate() {
         if situation.contacts[c].edge != Edge::Away {
             series.held[place] = unless_rounding(series.held[place], size);
+            series.contacts[c].carried_rounding[k] = ROUNDING * size * root(c);
         }
         for &(j, x) in model.contacts[c].responses() {
             sizes[j] += x.abs() * size * root(c);

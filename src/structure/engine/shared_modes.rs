@@ -2,70 +2,54 @@
 //! contact depends on the others, so the modes of all are decided together, at every event of any
 //! of them.
 //!
-//! Let B_c be the limits, a_c = r_c', and a = a⁰ − G λ. The forces λ satisfy |λ_c| ≤ B_c for each
-//! contact with a_c = 0, and λ_c = B_c sgn a_c for the others. This is a convex programme with a
-//! unique a. It is solved by pivoting: beginning with a guess of the contacts that stick, the modes
-//! that violate their condition are changed until no condition is violated.
+//! The forces and accelerations are those of the programme in `programme.rs`. At first its bounds
+//! are the static limits. As long as contacts slip whose kinetic limit is smaller, the one with the
+//! largest |a_c|/(G_cc B_c) gets its kinetic limit, and the programme is solved again: *the fastest
+//! yields first*. If both coefficients are equal, the first solution is the result.
 //!
-//! At first the limits are the static limits. As long as contacts slip whose kinetic limit is
-//! smaller, the one with the largest |a_c|/(G_cc B_c) gets its kinetic limit, and the programme is
-//! solved again: *the fastest yields first*. If both coefficients are equal, the first solution is
-//! the result.
-//!
-//! A contact on the edge of its stick band (λ_c = B_c and a_c = 0) is first assumed to stick; then
-//! the sign of the first nonzero derivative of its distance from the edge decides, as for a single
-//! contact.
+//! A contact on the edge of its stick band (λ_c = B_c and a_c = 0) is first assumed to stick, and
+//! all series are expanded. The programme is solved again for the coefficients of the first order
+//! at which a distance from an edge would become negative. Contacts that slip in its solution have
+//! r ≠ 0, in proportion to a power of the time; of those whose kinetic limit is smaller, the
+//! fastest yields. Contacts without r stick, and remain on their edge if all orders are 0.
 
-use super::edge::{EDGE_ROUNDING, Edge, side_of};
+use super::edge::{Edge, deciding_distance, side_of};
 use super::expand::free_accelerations;
 use super::factor::Holding;
 use super::model::Model;
+use super::programme::{Choice, Unknown, hold, solve};
 use super::series::Series;
 use super::sizes::{contact_terms, load_terms};
 use super::state::{ContactState, Entry, Phase, Situation};
 use crate::error::Error;
+use crate::series::TERMS;
 use crate::state::Direction;
 
 /// A decision under way.
 #[derive(Debug)]
 pub(super) struct Decision {
     candidates: Vec<Candidate>,
+    /// The programme of the candidates.
+    unknowns: Vec<Unknown>,
     /// Rounding excess of the force of contacts that reached the edge of their band.
     beyond: Vec<(usize, f64)>,
-    /// Number of contacts on an edge that violated their condition in the last round.
-    broken: usize,
     /// True if the candidates must be gathered again.
     is_stale: bool,
+    /// True if the programme is solved.
+    is_solved: bool,
 }
 
-/// A contact with r = 0. Accelerations and forces are divided by √G_cc, so that G has a unit
-/// diagonal.
+/// A contact with r = 0, in the units of its [`Unknown`].
 #[derive(Debug, Clone)]
 struct Candidate {
-    contact: usize,
     /// Its state in stick.
     resting: ContactState,
-    /// a⁰ and the sum of the sizes of its terms.
-    free: f64,
-    terms: f64,
     /// The static limit, and the kinetic ones backward and forward.
     limit: f64,
     kinetic: [f64; 2],
     has_yielded: bool,
-    choice: Choice,
-    /// The last solution: λ, a, and the rounding error of the unknown of these two (a in slip, λ in
-    /// stick).
-    force: f64,
-    acceleration: f64,
-    rounding: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Choice {
-    Stick,
-    Slip(Direction),
-    /// Slip that begins with the force of stick and without acceleration.
-    Leave(Direction),
+    /// The direction of slip that begins with the force of stick and without acceleration.
+    leaves: Option<Direction>,
 }
 
 impl Decision {
@@ -93,15 +77,23 @@ impl Decision {
         }
         Self {
             candidates: Vec::new(),
+            unknowns: Vec::new(),
             beyond,
-            broken: usize::MAX,
             is_stale: false,
+            is_solved: false,
         }
     }
 
     /// Restarts the decision after another contact has opened or closed.
     pub(super) fn restart(&mut self) {
         self.is_stale = true;
+    }
+
+    /// Asks again which contacts leave their edges: other forces have changed.
+    pub(super) fn ask_rates_again(&mut self) {
+        for candidate in &mut self.candidates {
+            candidate.leaves = None;
+        }
     }
 
     /// Solves for the modes of all candidates, and sets them.
@@ -113,20 +105,23 @@ impl Decision {
     ) -> Result<(), Error> {
         self.gather(model, situation, series);
         let mut are_on_edges = false;
-        loop {
-            self.solve(model, situation, series)?;
-            let Some(fastest) = self.fastest() else {
-                if !are_on_edges && self.put_on_edges() {
-                    are_on_edges = true;
-                    continue;
-                }
-                break;
-            };
-            /// Mirrored contacts yield together.
-            const TIE: f64 = 1.0 - 64.0 * f64::EPSILON;
-            for candidate in &mut self.candidates {
-                candidate.has_yielded |= candidate.eagerness() >= TIE * fastest;
+        while !self.is_solved {
+            if solve(model, &mut self.unknowns).is_none() {
+                return Err(situation.undecided(model, series));
             }
+            let moving = self.unknowns.iter().enumerate();
+            let slipping = moving.filter_map(|(place, unknown)| {
+                Some(Slipping {
+                    place,
+                    side: unknown.moves()?,
+                    acceleration: unknown.acceleration,
+                })
+            });
+            if self.let_fastest_yield(&slipping.collect::<Vec<_>>()) {
+                continue;
+            }
+            self.is_solved = are_on_edges || !self.put_on_edges();
+            are_on_edges = true;
         }
         if let Some(contacts) = self.undetermined(model) {
             return Err(Error::Undetermined {
@@ -141,17 +136,18 @@ impl Decision {
     /// The candidates: shared contacts that stick until something else is decided.
     fn gather(&mut self, model: &Model<'_>, situation: &mut Situation, series: &mut Series) {
         let mut decides = vec![false; situation.contacts.len()];
-        for candidate in &self.candidates {
-            decides[candidate.contact] = true;
+        for unknown in &self.unknowns {
+            decides[unknown.contact] = true;
         }
         let is_new = |&c: &usize| situation.contacts[c].sticks() && !decides[c];
         if !self.is_stale && !model.shared.iter().any(is_new) {
             return;
         }
-        (self.is_stale, self.broken) = (false, usize::MAX);
+        (self.is_stale, self.is_solved) = (false, false);
         // From the beginning, with all at rest.
-        for candidate in self.candidates.drain(..) {
-            let state = &mut situation.contacts[candidate.contact];
+        let candidates = std::iter::zip(self.candidates.drain(..), self.unknowns.drain(..));
+        for (candidate, unknown) in candidates {
+            let state = &mut situation.contacts[unknown.contact];
             if !state.phase_is_open() {
                 *state = candidate.resting;
             }
@@ -184,23 +180,22 @@ impl Decision {
                 let coefficient = side.sign() * state.start_coefficient(contact.law, side);
                 (of.load[0] * coefficient).min(of.bound[0]) / root
             });
+            let limit = of.bound[0] / root;
             self.candidates.push(Candidate {
-                contact: c,
                 resting: state.clone(),
-                free: of.free / root,
-                terms: (contact_terms(model, situation, series, c) + forces + load_terms) / root,
-                limit: of.bound[0] / root,
+                limit,
                 kinetic,
                 has_yielded: false,
-                choice: Choice::Stick,
-                force: 0.0,
-                acceleration: 0.0,
-                rounding: 0.0,
+                leaves: None,
             });
+            let terms = contact_terms(model, situation, series, c) + forces + load_terms;
+            let free = of.free / root;
+            self.unknowns
+                .push(Unknown::new(c, [free, terms / root], [limit; 2]));
         }
         // The rounding excess beyond an edge is subtracted from the forces that drive the contacts.
-        for i in 0..self.candidates.len() {
-            let c = self.candidates[i].contact;
+        for unknown in &mut self.unknowns {
+            let c = unknown.contact;
             let mut excess = 0.0;
             for &(d, beyond) in &self.beyond {
                 let coupled = model.contacts[c].coupled();
@@ -208,122 +203,43 @@ impl Decision {
                 let coupling = coupling.map_or(0.0, |&(_, g)| g);
                 excess += if c == d { beyond } else { coupling * beyond };
             }
-            self.candidates[i].free -= excess;
+            unknown.free -= excess;
         }
     }
 
-    /// Pivots until no candidate breaks its condition.
-    fn solve(
-        &mut self,
-        model: &Model<'_>,
-        situation: &Situation,
-        series: &Series,
-    ) -> Result<(), Error> {
-        /// Changing the contact with the least number first always ends, but it can take 2ⁿ
-        /// changes. The usual number is below n; the largest seen is 299, for eleven contacts on
-        /// six coordinates.
-        const MOST_CHANGES: usize = 1 << 14;
-        let mut least_broken = usize::MAX;
-        for _ in 0..MOST_CHANGES {
-            self.evaluate(model);
-            let broken: Vec<usize> = (0..self.candidates.len())
-                .filter(|&i| self.candidates[i].is_broken())
-                .collect();
-            if broken.is_empty() {
-                return Ok(());
-            }
-            // While the number of violations falls, all of them are changed together; otherwise
-            // only the first.
-            let count = if broken.len() < least_broken {
-                broken.len()
-            } else {
-                1
-            };
-            least_broken = least_broken.min(broken.len());
-            for &i in &broken[..count] {
-                self.candidates[i].change();
-            }
-        }
-        Err(situation.undecided(model, series))
-    }
-
-    /// The contacts that stick, with their factor. Contacts with dependent directions get a small
-    /// compliance: they share the force, and their forces exceed the limits by far if they cannot
-    /// all stick.
-    fn hold(&self, model: &Model<'_>) -> Holding {
-        let sticking = self.candidates.iter();
-        let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
-        let contacts: Vec<usize> = sticking.map(|candidate| candidate.contact).collect();
-        let factor = model.factor(&contacts);
-        let factor = factor.unwrap_or_else(|_| model.soft_factor(&contacts));
-        Holding { contacts, factor }
-    }
-
-    /// Forces and accelerations of the choices.
-    fn evaluate(&mut self, model: &Model<'_>) {
-        let Holding { contacts, factor } = self.hold(model);
-        let mut places = vec![None; model.contacts.len()];
-        for (i, candidate) in self.candidates.iter_mut().enumerate() {
-            places[candidate.contact] = Some(i);
-            candidate.rounding = 0.0;
-            candidate.force = match candidate.choice {
-                Choice::Stick => 0.0,
-                Choice::Slip(side) | Choice::Leave(side) => side.sign() * candidate.most(side),
-            };
-        }
-        let pulls = self.accelerations(model, &places);
-        let sticking = || contacts.iter().filter_map(|&c| places[c]);
-        let mut forces: Vec<f64> = sticking().map(|i| pulls[i].0).collect();
-        let mut rounding: Vec<f64> = sticking().map(|i| pulls[i].1).collect();
-        factor.solve(&mut forces);
-        factor.magnify(&mut rounding);
-        for ((i, force), rounding) in sticking().zip(forces).zip(rounding) {
-            let candidate = &mut self.candidates[i];
-            (candidate.force, candidate.rounding) = (force, rounding);
-            candidate.acceleration = 0.0;
-        }
-        let pulls = self.accelerations(model, &places);
-        for (candidate, (pull, rounding)) in std::iter::zip(&mut self.candidates, pulls) {
-            if candidate.choice != Choice::Stick {
-                (candidate.acceleration, candidate.rounding) = (pull, rounding);
-            }
-        }
-    }
-
-    /// a⁰ − G λ of every candidate, and how far rounding may have moved it.
-    fn accelerations(&self, model: &Model<'_>, places: &[Option<usize>]) -> Vec<(f64, f64)> {
-        let sum = |candidate: &Candidate| {
-            let mut pull = candidate.free - candidate.force;
-            let mut terms = candidate.terms + candidate.force.abs();
-            let mut moved = 0.0;
-            for &(d, g) in model.contacts[candidate.contact].coupled() {
-                let Some(i) = places[d] else { continue };
-                let other = &self.candidates[i];
-                pull -= g * other.force;
-                terms += (g * other.force).abs();
-                if other.choice == Choice::Stick {
-                    moved += g.abs() * other.rounding;
-                }
-            }
-            (pull, EDGE_ROUNDING * f64::EPSILON * terms + moved)
+    /// Gives the kinetic limit to the fastest of these contacts, which are those that slip in the
+    /// solution of a programme; mirrored contacts yield together. Returns false if none of them has
+    /// a kinetic limit below its static one.
+    fn let_fastest_yield(&mut self, slipping: &[Slipping]) -> bool {
+        const TIE: f64 = 1.0 - 64.0 * f64::EPSILON;
+        let eagerness = |slipping: &Slipping| {
+            let candidate = &self.candidates[slipping.place];
+            let may_yield = !candidate.has_yielded && candidate.falls(slipping.side);
+            may_yield.then_some(slipping.acceleration.abs() / candidate.limit)
         };
-        self.candidates.iter().map(sum).collect()
-    }
-
-    /// The largest `eagerness` of the contacts that may still get their kinetic limit.
-    fn fastest(&self) -> Option<f64> {
-        let eager = self.candidates.iter().map(Candidate::eagerness);
-        eager.filter(|eagerness| *eagerness > 0.0).reduce(f64::max)
+        let eagerness: Vec<Option<f64>> = slipping.iter().map(eagerness).collect();
+        let Some(fastest) = eagerness.iter().flatten().copied().reduce(f64::max) else {
+            return false;
+        };
+        for (slipping, eagerness) in std::iter::zip(slipping, eagerness) {
+            if eagerness.is_some_and(|eagerness| eagerness >= TIE * fastest) {
+                let candidate = &mut self.candidates[slipping.place];
+                candidate.has_yielded = true;
+                let unknown = &mut self.unknowns[slipping.place];
+                unknown.choice = Choice::Slip(slipping.side);
+                unknown.most = candidate.kinetic;
+            }
+        }
+        true
     }
 
     /// Sets contacts that would slip with the force of stick and without acceleration to stick on
     /// the edge of their band; returns true if there are any.
     fn put_on_edges(&mut self) -> bool {
         let mut changed = false;
-        for candidate in &mut self.candidates {
-            let is_slip = matches!(candidate.choice, Choice::Slip(_)) && !candidate.has_yielded;
-            if is_slip && candidate.acceleration.abs() <= candidate.rounding {
-                candidate.choice = Choice::Stick;
+        for (candidate, unknown) in std::iter::zip(&self.candidates, &mut self.unknowns) {
+            if !candidate.has_yielded && !unknown.sticks() && unknown.moves().is_none() {
+                unknown.choice = Choice::Stick;
                 changed = true;
             }
         }
@@ -333,51 +249,55 @@ impl Decision {
     /// The contacts with dependent directions that are at rest at the same time, if any: the force
     /// in each of them is not determined.
     fn undetermined(&self, model: &Model<'_>) -> Option<Vec<usize>> {
-        let rests = |candidate: &&Candidate| {
-            let sticks = candidate.choice == Choice::Stick;
-            sticks || candidate.acceleration.abs() <= candidate.rounding
-        };
-        let resting = self.candidates.iter().filter(rests);
-        let contacts: Vec<usize> = resting.map(|candidate| candidate.contact).collect();
+        let resting = self
+            .unknowns
+            .iter()
+            .filter(|unknown| unknown.moves().is_none());
+        let contacts: Vec<usize> = resting.map(|unknown| unknown.contact).collect();
         model.factor(&contacts).is_err().then_some(contacts)
     }
 
     /// Sets the modes that were chosen.
     fn set(&mut self, model: &Model<'_>, situation: &mut Situation) {
-        situation.holding = self.hold(model);
+        situation.holding = hold(model, &self.resting());
         let elastic = model
             .springs
             .iter()
             .filter(|&&c| model.contacts[c].is_elastic());
         let parts = |&c: &usize| Some((c, model.dependence(c, &situation.holding)?));
         situation.guided = elastic.filter_map(parts).collect();
-        for candidate in &self.candidates {
-            let contact = &model.contacts[candidate.contact];
+        for (candidate, unknown) in std::iter::zip(&self.candidates, &self.unknowns) {
+            let contact = &model.contacts[unknown.contact];
             let mut state = candidate.resting.clone();
-            match candidate.choice {
-                Choice::Stick => state.edge = candidate.edge(),
-                Choice::Slip(side) | Choice::Leave(side) => {
-                    let rate = if candidate.acceleration.abs() > candidate.rounding {
-                        side.sign() * candidate.acceleration * contact.compliance.sqrt()
-                    } else {
-                        0.0
-                    };
+            let slip = match (unknown.choice, candidate.leaves) {
+                (Choice::Slip(side), _) => {
+                    let rate = unknown.moves().map_or(0.0, |_| unknown.acceleration);
+                    Some((side, side.sign() * rate * contact.compliance.sqrt()))
+                }
+                (Choice::Stick, leaves) => leaves.map(|side| (side, 0.0)),
+            };
+            match slip {
+                None => state.edge = candidate.edge(unknown),
+                Some((side, rate)) => {
                     state.begin_slip(contact.law, side, Some(rate));
                     state.entry = Entry::Held;
                 }
             }
-            situation.contacts[candidate.contact] = state;
+            situation.contacts[unknown.contact] = state;
         }
     }
 
-    /// After an expansion: contacts on an edge that leave it or return to it, and contacts
-    /// whose law never sticks that continue in the other direction. Returns true if there are any.
-    pub(super) fn revise(
-        &mut self,
-        model: &Model<'_>,
-        situation: &mut Situation,
-        series: &Series,
-    ) -> bool {
+    /// The contacts that stick, and do not leave their edges.
+    fn resting(&self) -> Vec<Unknown> {
+        let all = std::iter::zip(&self.candidates, &self.unknowns);
+        let resting =
+            all.filter(|(candidate, unknown)| unknown.sticks() && candidate.leaves.is_none());
+        resting.map(|(_, unknown)| unknown.clone()).collect()
+    }
+
+    /// After an expansion: contacts whose law never sticks that continue in the other direction.
+    /// Returns true if there are any.
+    pub(super) fn turn_back(model: &Model<'_>, situation: &mut Situation, series: &Series) -> bool {
         let mut changed = false;
         for &c in &model.shared {
             let state = &mut situation.contacts[c];
@@ -391,121 +311,142 @@ impl Decision {
                 changed = true;
             }
         }
-        let mut broken = Vec::new();
-        for (i, candidate) in self.candidates.iter().enumerate() {
-            let state = &mut situation.contacts[candidate.contact];
-            let of = &series.contacts[candidate.contact];
-            match (candidate.choice, state.edge) {
-                (Choice::Stick, Edge::On(None, _)) => {
-                    let side = side_of(candidate.force);
-                    let sides = [side, side.opposite()];
-                    let mut out = sides
-                        .into_iter()
-                        .filter(|&side| Edge::leaving(of, side).1 < 0.0);
-                    broken.extend(out.next().map(|side| (i, Some(side))));
-                }
-                (Choice::Stick, Edge::On(Some(side), _)) => {
-                    let (edge, sign) = Edge::leaving(of, side);
-                    state.edge = edge;
-                    broken.extend((sign < 0.0).then_some((i, Some(side))));
-                }
-                (Choice::Leave(_), _) => {
-                    let returns = of.speeds.first_nonzero().is_some_and(|c| c < 0.0);
-                    broken.extend(returns.then_some((i, None)));
-                }
-                _ => {}
-            }
-        }
-        let count = if broken.len() < self.broken {
-            broken.len()
-        } else {
-            1
-        };
-        self.broken = self.broken.min(broken.len());
-        for &(i, side) in broken.iter().take(count) {
-            let candidate = &mut self.candidates[i];
-            if side.is_some() {
-                candidate.resting.edge = Edge::reached(side);
-            }
-            candidate.choice = match side {
-                None => Choice::Stick,
-                Some(side) if candidate.falls(side) => {
-                    candidate.has_yielded = true;
-                    Choice::Slip(side)
-                }
-                Some(side) => Choice::Leave(side),
+        changed
+    }
+
+    /// After an expansion: contacts on an edge that leave it. Returns true if there are any.
+    pub(super) fn revise(
+        &mut self,
+        model: &Model<'_>,
+        situation: &mut Situation,
+        series: &Series,
+    ) -> Result<bool, Error> {
+        let mut on_edge = Vec::new();
+        for (place, unknown) in self.unknowns.iter().enumerate() {
+            let state = &situation.contacts[unknown.contact];
+            let Edge::On(at, _) = state.edge else {
+                continue;
             };
+            if !state.sticks() {
+                continue;
+            }
+            let first = side_of(unknown.force);
+            for side in [first, first.opposite()] {
+                if at.is_none_or(|at| at == side) {
+                    let distance = deciding_distance(&series.contacts[unknown.contact], side);
+                    on_edge.push(OnEdge {
+                        place,
+                        side,
+                        distance,
+                    });
+                }
+            }
         }
-        changed || !broken.is_empty()
+        for order in 1..TERMS {
+            let leaves = |on: &OnEdge| on.distance.is_some_and(|(at, d)| at == order && d < 0.0);
+            if !on_edge.iter().any(leaves) {
+                continue;
+            }
+            let slipping = self.rates(model, order, &on_edge);
+            let slipping = slipping.ok_or_else(|| situation.undecided(model, series))?;
+            if slipping.is_empty() {
+                continue;
+            }
+            for slipping in &slipping {
+                self.candidates[slipping.place].resting.edge = Edge::reached(Some(slipping.side));
+            }
+            if self.let_fastest_yield(&slipping) {
+                self.is_solved = false;
+                self.ask_rates_again();
+            } else {
+                for slipping in slipping {
+                    self.candidates[slipping.place].leaves = Some(slipping.side);
+                }
+            }
+            return Ok(true);
+        }
+        for on in on_edge {
+            let state = &mut situation.contacts[self.unknowns[on.place].contact];
+            if let Edge::On(Some(side), _) = state.edge {
+                let along = Edge::Along(side);
+                state.edge = on
+                    .distance
+                    .map_or(along, |(order, _)| Edge::On(Some(side), order));
+            }
+        }
+        Ok(false)
+    }
+
+    /// The contacts on an edge that slip, by the programme for the coefficients of an order: the
+    /// changes of the forces and the accelerations from those of stick. `None` without a decision.
+    fn rates(&self, model: &Model<'_>, order: usize, on_edge: &[OnEdge]) -> Option<Vec<Slipping>> {
+        let mut unknowns = self.resting();
+        let size = |on: &OnEdge| on.distance.map_or(0.0, |(_, d)| d.abs());
+        for unknown in &mut unknowns {
+            let root = model.contacts[unknown.contact].compliance.sqrt();
+            (unknown.free, unknown.terms, unknown.most) = (0.0, 0.0, [f64::INFINITY; 2]);
+            for on in on_edge {
+                if self.unknowns[on.place].contact != unknown.contact {
+                    continue;
+                }
+                let most = &mut unknown.most[usize::from(on.side == Direction::Leading)];
+                match on.distance {
+                    Some((at, _)) if at < order => {}
+                    Some((at, d)) if at == order => {
+                        *most = d / root;
+                        unknown.terms = unknown.terms.max(size(on) / root);
+                    }
+                    _ => *most = 0.0,
+                }
+            }
+        }
+        solve(model, &mut unknowns)?;
+        let place = |contact: usize| self.unknowns.iter().position(|u| u.contact == contact);
+        let slipping = unknowns.iter().filter_map(|unknown| {
+            Some(Slipping {
+                place: place(unknown.contact)?,
+                side: unknown.moves()?,
+                acceleration: unknown.acceleration,
+            })
+        });
+        Some(slipping.collect())
     }
 }
 
-impl Candidate {
-    /// The largest force against slip in a direction.
-    fn most(&self, side: Direction) -> f64 {
-        if self.has_yielded {
-            self.kinetic[usize::from(side == Direction::Leading)]
-        } else {
-            self.limit
-        }
-    }
+/// A contact on an edge of its band.
+struct OnEdge {
+    place: usize,
+    side: Direction,
+    /// Order and value of the coefficient of its distance from there that decides; `None` if all
+    /// are 0.
+    distance: Option<(usize, f64)>,
+}
 
+/// A contact that slips in the solution of a programme.
+struct Slipping {
+    /// Its place among the candidates.
+    place: usize,
+    side: Direction,
+    acceleration: f64,
+}
+
+impl Candidate {
     /// Returns true if the kinetic limit is below the static limit for slip in a direction.
     fn falls(&self, side: Direction) -> bool {
         let kinetic = self.kinetic[usize::from(side == Direction::Leading)];
         self.limit - kinetic > 4.0 * f64::EPSILON * self.limit
     }
 
-    /// Excess of the force in stick over its limit.
-    fn excess(&self) -> f64 {
-        self.force.abs() - self.most(side_of(self.force))
-    }
-
-    fn is_broken(&self) -> bool {
-        match self.choice {
-            Choice::Stick => self.excess() > self.rounding,
-            Choice::Slip(side) | Choice::Leave(side) => {
-                side.sign() * self.acceleration < -self.rounding
-            }
-        }
-    }
-
-    /// Changes the mode that violates its condition.
-    fn change(&mut self) {
-        self.choice = match self.choice {
-            Choice::Stick => Choice::Slip(side_of(self.force)),
-            Choice::Slip(_) | Choice::Leave(_) => Choice::Stick,
-        };
-    }
-
-    /// |a_c|/(G_cc B_c) of a contact that slips with its static limit although its kinetic limit is
-    /// smaller; 0 for other contacts.
-    fn eagerness(&self) -> f64 {
-        match self.choice {
-            Choice::Slip(side)
-                if !self.has_yielded
-                    && self.falls(side)
-                    && self.acceleration.abs() > self.rounding =>
-            {
-                self.acceleration.abs() / self.limit
-            }
-            _ => 0.0,
-        }
-    }
-
     /// The edge of its band at which it is, in stick.
-    fn edge(&self) -> Edge {
-        let excess = self.excess();
-        let has_arrived = self.resting.has_arrived();
-        if has_arrived && self.limit.max(self.force.abs()) <= self.rounding {
+    fn edge(&self, unknown: &Unknown) -> Edge {
+        let (side, excess) = unknown.excess();
+        let is_fresh = self.resting.has_arrived();
+        if is_fresh && self.limit.max(unknown.force.abs()) <= unknown.rounding {
             // No band yet, for the load begins: on both of its bounds.
             return Edge::reached(None);
         }
-        let is_known = self.resting.edge != Edge::Away;
-        let is_on_edge =
-            excess.abs() <= self.rounding && (is_known || has_arrived || excess >= 0.0);
-        if is_on_edge {
-            Edge::reached(Some(side_of(self.force)))
+        if excess.abs() <= unknown.rounding {
+            Edge::reached(Some(side))
         } else {
             Edge::Away
         }

@@ -84,7 +84,9 @@ fn land_contact(
     for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
         *memory = series.at(h);
     }
-    (state.edge, state.load_edge) = (Edge::Away, Edge::Away);
+    let stays = settled.at_break.is_none() && of.stays_along(state.edge, h);
+    let edge = if stays { state.edge } else { Edge::Away };
+    (state.edge, state.load_edge) = (edge, Edge::Away);
     state.entry = Entry::Held;
     if let Phase::Slip {
         speed, rate, piece, ..
