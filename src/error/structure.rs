@@ -85,6 +85,23 @@ pub enum NotSliding {
         /// The limit of the force in stick, with memory variables of 0.
         limit: f64,
     },
+    /// No equilibrium was found from the given displacements: there may be none, as for a magnet
+    /// that pulls too strongly, or it is far away. Start closer to it:
+    /// [`Structure::steady_sliding_from`](crate::Structure::steady_sliding_from).
+    NotFound {
+        /// Largest unbalanced acceleration of a coordinate where the search ended.
+        residual: f64,
+        /// The part of the load, from 0 to 1, up to which an equilibrium was found.
+        load: f64,
+    },
+    /// The position of a force element is exactly on a breakpoint of its law, so that its stiffness
+    /// differs on both sides.
+    AtBreakpoint {
+        /// Number of the element.
+        element: usize,
+        /// The position x.
+        position: f64,
+    },
     /// The stiffness matrix, including the terms that friction adds to it, is singular.
     Singular,
     /// The eigenvalues could not be computed.
@@ -133,6 +150,20 @@ impl std::fmt::Display for NotSliding {
                  force {}, and its limit is {}; give it a slip speed, or reduce the forces",
                 Plain(*force),
                 Plain(*limit)
+            ),
+            Self::NotFound { residual, load } => write!(
+                f,
+                "no equilibrium was found, up to {} of the load; a residual acceleration of {} is \
+                 left; there may be none, or it is far away: give displacements near it to \
+                 `steady_sliding_from`",
+                Plain(*load),
+                Plain(*residual)
+            ),
+            Self::AtBreakpoint { element, position } => write!(
+                f,
+                "force element {element} is on a breakpoint of its law, at {}: its stiffness \
+                 differs on both sides; change a load slightly",
+                Plain(*position)
             ),
             Self::Singular => f.write_str(
                 "the stiffness matrix is singular; restrain the rigid-body modes, for example by \

@@ -25,6 +25,9 @@ pub(super) struct HalfMap {
 pub(super) struct Balance {
     stiffness: DMatrix<f64>,
     forces: DVector<f64>,
+    /// The directions of force elements, along which the centre may not move: their laws are odd
+    /// about it.
+    directions: Vec<Vec<(usize, f64)>>,
 }
 
 /// Places in half a period at which a symmetry is checked.
@@ -77,17 +80,26 @@ impl HalfMap {
         Some(Self { signs, shift })
     }
 
-    /// The map for another system of the family, with other forces that determine the centre. A
-    /// force that the springs do not balance, such as that of a contact that always sticks, is
-    /// kept.
+    /// The map for another system of the family, with other forces that determine the centre;
+    /// `None` if force elements, which have no other centre, would hold them. A force that the
+    /// springs do not balance, such as that of a contact that always sticks, is kept.
     pub(super) fn moved(&self, from: &Balance, to: &Balance) -> Option<Self> {
         let n = to.forces.len();
         let held = (&to.stiffness - &from.stiffness) * self.shift.rows(0, n);
         let change = &to.forces - &from.forces - held;
         let mut moved = self.clone();
         if change.amax() != 0.0 {
+            let by = least_norm(to.stiffness.clone(), &change, SINGULAR)?;
+            let along = |direction: &Vec<(usize, f64)>| {
+                let terms = direction.iter().map(|&(j, a)| a * by[j]);
+                let [sum, size] = terms.fold([0.0, 0.0], |[s, n], x| [s + x, n + x.abs()]);
+                f64::abs(sum) > SYMMETRIC * size
+            };
+            if to.directions.iter().any(along) {
+                return None;
+            }
             let mut shift = moved.shift.rows_mut(0, n);
-            shift += least_norm(to.stiffness.clone(), &change, SINGULAR)?;
+            shift += by;
         }
         Some(moved)
     }
@@ -151,6 +163,13 @@ impl Balance {
                 }
             }
         }
-        Self { stiffness, forces }
+        let elements = model.elements.iter();
+        Self {
+            stiffness,
+            forces,
+            directions: elements
+                .flat_map(|element| element.directions.to_vec())
+                .collect(),
+        }
     }
 }

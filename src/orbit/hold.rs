@@ -16,7 +16,7 @@ use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 use crate::state::structure::State;
-use crate::structure::engine::contact::ContactData;
+use crate::structure::engine::contact::{ContactData, entry};
 use crate::structure::{Flow, Step};
 
 use std::ops::ControlFlow;
@@ -333,10 +333,7 @@ impl<'s> HeldFlow<'s> {
         let Some(i) = model.owner_of(hold.contact) else {
             return;
         };
-        let stiffness = model.stiffness.row(i).0;
-        if stiffness == 0.0 {
-            return;
-        }
+        let mut stiffness = model.stiffness.row(i).0;
         let load = |contact: &ContactData<'_>| contact.load_at(time, |j| state.displacements[j]);
         let mut terms = vec![
             model.forces[i].value(time) * contact.compliance,
@@ -355,6 +352,20 @@ impl<'s> HeldFlow<'s> {
         for contact in &model.contacts {
             let own = contact.reaction.iter().filter(|(j, _)| *j == i);
             terms.extend(own.map(|(_, y)| -y * load(contact)));
+        }
+        for element in &model.elements {
+            let factor = element.factor.value(time);
+            let tangent = element.tangent(&state.displacements, &state.velocities);
+            for (k, response) in element.responses.iter().enumerate() {
+                let push = factor * entry(response, i);
+                terms.push(-push * tangent.forces[k]);
+                let slopes = std::iter::zip(element.directions, &tangent.slopes);
+                let slopes = slopes.map(|(direction, slopes)| entry(direction, i) * slopes[k]);
+                stiffness += push * slopes.sum::<f64>();
+            }
+        }
+        if stiffness == 0.0 {
+            return;
         }
         let beyond: f64 = terms.iter().sum();
         state.displacements[i] += beyond / stiffness;

@@ -1,16 +1,22 @@
 //! The vector field of a system near its steady sliding: its equilibrium, its linear part, and its
 //! terms of second and third order.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::engine::contact::ContactData;
+use super::engine::element::ElementTangent;
 use super::engine::model::Model;
 use super::freedom::{direction_row, elastic_rows, null_space, rows_of, units};
-use super::steady::{sliding_of, solve, sort, undamped};
 use crate::error::{Error, NotSliding};
+use crate::force::object::Place;
+use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Sliding, Slip};
+use crate::friction::piece_above;
 use crate::numerics::eigenvalues::{balance, eigenvalues as eigenvalues_of};
+use crate::numerics::sort::sort_by;
 use crate::series::{PowerSeries, TERMS};
+use crate::state::Direction;
 use crate::state::structure::State;
 
 /// The field x' = F(x) near steady sliding, x the displacements, velocities and memory variables.
@@ -23,6 +29,8 @@ pub(crate) struct SlidingField<'m, 's> {
     pub(super) accelerations: Vec<f64>,
     /// `None` for a contact that sticks.
     contacts: Vec<Option<Slides>>,
+    /// The force elements at rest.
+    elements: Vec<ElementTangent>,
 }
 
 /// A contact that slides steadily.
@@ -42,17 +50,27 @@ impl<'m, 's> SlidingField<'m, 's> {
     /// The field near steady sliding, under the conditions of
     /// [`Structure::steady_sliding`](super::system::Structure::steady_sliding).
     pub(crate) fn of(model: &'m Model<'s>) -> Result<Self, Error> {
-        Self::find(model, None).map_err(Error::NoSteadySliding)
+        Self::from(model, &vec![0.0; model.len()])
+    }
+
+    /// The same, searched from these displacements if there are force elements.
+    pub(crate) fn from(model: &'m Model<'s>, start: &[f64]) -> Result<Self, Error> {
+        Self::find(model, None, start).map_err(Error::NoSteadySliding)
     }
 
     /// The field near steady sliding at given velocities, under the conditions of
     /// [`Structure::steady_sliding_at`](super::system::Structure::steady_sliding_at).
     pub(crate) fn at(model: &'m Model<'s>, velocities: &[f64]) -> Result<Self, Error> {
-        Self::find(model, Some(velocities)).map_err(Error::NoSteadySliding)
+        let start = vec![0.0; model.len()];
+        Self::find(model, Some(velocities), &start).map_err(Error::NoSteadySliding)
     }
 
     /// At rest all contacts slide; at given velocities those without a relative velocity stick.
-    fn find(model: &'m Model<'s>, velocities: Option<&[f64]>) -> Result<Self, NotSliding> {
+    fn find(
+        model: &'m Model<'s>,
+        velocities: Option<&[f64]>,
+        start: &[f64],
+    ) -> Result<Self, NotSliding> {
         if !model.drives().all(|drive| drive.is_constant()) {
             return Err(NotSliding::Driven);
         }
@@ -66,6 +84,9 @@ impl<'m, 's> SlidingField<'m, 's> {
             let may_stick = contact.is_elastic() || contact.law.limit(&|_| 0.0).is_some();
             if relative == 0.0 && velocities.is_some() && may_stick {
                 return Ok(None);
+            }
+            if relative == 0.0 && contact.is_elastic() {
+                return Err(NotSliding::Continuum { contact: number });
             }
             let (sliding, direction) =
                 sliding_of(relative, contact.law).map_err(|reason| reason(number))?;
@@ -102,21 +123,19 @@ impl<'m, 's> SlidingField<'m, 's> {
         }
         let sticking = (0..contacts.len()).filter(|&c| contacts[c].is_none());
         let sticking: Vec<usize> = sticking.collect();
-        let balance = match velocities {
-            None => Balance {
-                displacements: solve(&stiffness, &right).ok_or(NotSliding::Singular)?,
-                accelerations: DVector::zeros(n),
-                forces: Vec::new(),
-            },
-            Some(moving) => {
-                for i in 0..n {
-                    let (diagonal, beside) = model.damping.row(i);
-                    let own = diagonal * moving[i];
-                    right[i] -= beside.iter().fold(own, |sum, &(j, c)| sum + c * moving[j]);
-                }
-                Balance::of(model, (stiffness, right), moving, &sticking)?
-            }
+        for i in (0..n).filter(|_| velocities.is_some()) {
+            let (diagonal, beside) = model.damping.row(i);
+            let own = diagonal * moving[i];
+            right[i] -= beside.iter().fold(own, |sum, &(j, c)| sum + c * moving[j]);
+        }
+        let equations = Equilibrium {
+            model,
+            stiffness,
+            right,
+            velocities,
+            sticking: &sticking,
         };
+        let (balance, elements) = equations.solve(start)?;
         let slides = contacts.into_iter().enumerate();
         let slides = slides.map(|(number, slides)| {
             let contact = &model.contacts[number];
@@ -154,6 +173,7 @@ impl<'m, 's> SlidingField<'m, 's> {
             displacements: balance.displacements.as_slice().to_vec(),
             accelerations: balance.accelerations.as_slice().to_vec(),
             contacts,
+            elements,
         })
     }
 
@@ -203,6 +223,24 @@ impl<'m, 's> SlidingField<'m, 's> {
         2 * self.model.len() + self.model.remembered()
     }
 
+    /// Adds the derivatives of the forces of elements to ∂F/∂x.
+    fn add_elements(&self, matrix: &mut DMatrix<f64>) {
+        let n = self.model.len();
+        for (element, tangent) in std::iter::zip(&self.model.elements, &self.elements) {
+            let (factor, m) = (element.factor.value(0.0), element.directions.len());
+            for (by, slopes) in tangent.slopes.iter().enumerate() {
+                let first = if by < m { 0 } else { n };
+                for (response, slope) in std::iter::zip(&element.responses, slopes) {
+                    for &(i, x) in response {
+                        for &(j, a) in &element.directions[by % m] {
+                            matrix[(n + i, first + j)] -= x * factor * slope * a;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     /// ∂F/∂x. A memory variable that neither changes in slip nor influences anything decays by
     /// itself.
     pub(crate) fn jacobian(&self) -> DMatrix<f64> {
@@ -215,6 +253,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         add_rows(&mut rates, -1.0, |i| model.stiffness.row(i));
         let mut rates = matrix.view_mut((n, n), (n, n));
         add_rows(&mut rates, -1.0, |i| model.damping.row(i));
+        self.add_elements(&mut matrix);
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
@@ -374,10 +413,30 @@ impl<'m, 's> SlidingField<'m, 's> {
     }
 
     /// The terms of second and third order along a line: the coefficients of t² and t³ in F(x̄ + t
-    /// u). Friction alone has such terms.
+    /// u). Friction and force elements alone have such terms.
     pub(crate) fn terms(&self, line: &DVector<f64>) -> [DVector<f64>; 2] {
         let (model, n) = (self.model, self.model.len());
         let mut terms = [DVector::zeros(self.order()), DVector::zeros(self.order())];
+        for (element, tangent) in std::iter::zip(&model.elements, &self.elements) {
+            let along = element.along(|j| line[j]);
+            let positions = std::iter::zip(&tangent.positions, along);
+            let positions = positions.map(|(x, part)| linear(*x, part));
+            let velocities = element.along(|j| line[n + j]).into_iter();
+            let velocities = velocities.map(|part| linear(0.0, part));
+            let forces = element.law.series(Place {
+                positions: &positions.collect::<Vec<_>>(),
+                velocities: &velocities.collect::<Vec<_>>(),
+                piece: element.piece_above(tangent.positions[0]),
+            });
+            let factor = element.factor.value(0.0);
+            for (response, force) in std::iter::zip(&element.responses, &forces) {
+                for &(i, x) in response {
+                    for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
+                        terms[n + i] -= x * factor * force[k];
+                    }
+                }
+            }
+        }
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
@@ -472,6 +531,177 @@ fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<
     let is_normal = |i: &usize| eigen.eigenvalues[*i] <= ROUNDING * largest;
     let normal: Vec<usize> = (0..n).filter(is_normal).collect();
     eigen.eigenvectors.select_columns(&normal)
+}
+
+/// The equations of steady sliding, K q + Σ D M⁻¹a_i F_i(a·q, 0) = f, all divided by M.
+struct Equilibrium<'e, 'm, 's> {
+    model: &'m Model<'s>,
+    /// With the loads of friction that follow displacements.
+    stiffness: DMatrix<f64>,
+    right: DVector<f64>,
+    /// Those at which contacts stick; `None` for masses at rest.
+    velocities: Option<&'e [f64]>,
+    sticking: &'e [usize],
+}
+
+/// Bound of the iterations of Newton's method.
+const MOST_ITERATIONS: usize = 200;
+
+/// The least part by which a whole step of Newton's method is shorter than the one before: near a
+/// root of order p steps shrink by the factor 1 − 1/p.
+const LEAST_GAIN: f64 = 1.0 / 64.0;
+
+/// The least part of a step of Newton's method.
+const LEAST_PART: f64 = 1.0 / 1024.0;
+
+/// Number of the steps in which the load is raised if no equilibrium is found under the whole load.
+const LOAD_STEPS: usize = 8;
+
+impl Equilibrium<'_, '_, '_> {
+    /// The equilibrium near these displacements, and the force elements in it.
+    fn solve(&self, start: &[f64]) -> Result<(Balance, Vec<ElementTangent>), NotSliding> {
+        if self.model.elements.is_empty() {
+            return Ok((self.linearised(&[], 1.0)?, Vec::new()));
+        }
+        let start = DVector::from_column_slice(start);
+        let mut found = self.newton(start.clone(), 1.0);
+        if let Err(NotSliding::NotFound { .. } | NotSliding::Singular) = found {
+            found = self.raise_load(start);
+        }
+        let balance = found?;
+        let elements = self.tangents(&balance.displacements);
+        for (number, (element, tangent)) in
+            std::iter::zip(&self.model.elements, &elements).enumerate()
+        {
+            let position = tangent.positions[0];
+            let size = element.directions[0].iter();
+            let size = size
+                .map(|&(j, a)| (a * balance.displacements[j]).abs())
+                .sum::<f64>();
+            let is_at = |b: &f64| (position - b).abs() <= 8.0 * f64::EPSILON * size.max(b.abs());
+            if element.breakpoints.iter().any(is_at) {
+                let element = number;
+                return Err(NotSliding::AtBreakpoint { element, position });
+            }
+        }
+        Ok((balance, elements))
+    }
+
+    /// Raises the load step by step, each from the equilibrium before.
+    fn raise_load(&self, start: DVector<f64>) -> Result<Balance, NotSliding> {
+        let mut q = start;
+        let mut last = Err(NotSliding::Singular);
+        for step in 1..=LOAD_STEPS {
+            let load = step as f64 / LOAD_STEPS as f64;
+            // A force without a slope at rest, such as that of a cubic spring alone.
+            let pushed = &q + self.right.normalize();
+            let found = self.newton(q, load).or_else(|error| match error {
+                NotSliding::Singular => self.newton(pushed, load),
+                error => Err(error),
+            });
+            q = match &found {
+                Ok(balance) => balance.displacements.clone(),
+                Err(NotSliding::NotFound { residual, .. }) => {
+                    let load = (step - 1) as f64 / LOAD_STEPS as f64;
+                    let residual = *residual;
+                    return Err(NotSliding::NotFound { residual, load });
+                }
+                Err(_) => return found,
+            };
+            last = found;
+        }
+        last
+    }
+
+    /// Newton's method under a part of the load. A step is halved while the step after it would be
+    /// longer.
+    fn newton(&self, mut q: DVector<f64>, load: f64) -> Result<Balance, NotSliding> {
+        let mut balance = self.linearised(&self.tangents(&q), load)?;
+        let mut step = &balance.displacements - &q;
+        for _ in 0..MOST_ITERATIONS {
+            let least = 4.0 * f64::EPSILON * q.amax().max(balance.displacements.amax());
+            if step.amax() <= least {
+                return Ok(balance);
+            }
+            let mut part = 1.0;
+            let (next, then) = loop {
+                let next = &q + &step * part;
+                let then = self.linearised(&self.tangents(&next), load);
+                let shorter = |balance: &Balance| {
+                    let after = (&balance.displacements - &next).amax();
+                    after <= (1.0 - LEAST_GAIN * part) * step.amax() || after <= least
+                };
+                match then {
+                    Ok(then) if shorter(&then) => break (next, then),
+                    _ if part <= LEAST_PART => {
+                        // Rounding errors alone are left.
+                        if step.amax() <= 1e-10 * q.amax() {
+                            return Ok(balance);
+                        }
+                        return Err(self.not_found(&q, load));
+                    }
+                    _ => part *= 0.5,
+                }
+            };
+            (step, q, balance) = (&then.displacements - &next, next, then);
+        }
+        Err(self.not_found(&q, load))
+    }
+
+    fn not_found(&self, q: &DVector<f64>, load: f64) -> NotSliding {
+        let mut left = &self.right * load - &self.stiffness * q;
+        for (element, tangent) in std::iter::zip(&self.model.elements, self.tangents(q)) {
+            let factor = element.factor.value(0.0);
+            for (response, force) in std::iter::zip(&element.responses, &tangent.forces) {
+                response
+                    .iter()
+                    .for_each(|&(i, x)| left[i] -= x * factor * force);
+            }
+        }
+        NotSliding::NotFound {
+            residual: left.amax(),
+            load: 0.0,
+        }
+    }
+
+    /// The force elements at these displacements.
+    fn tangents(&self, q: &DVector<f64>) -> Vec<ElementTangent> {
+        let at_rest = vec![0.0; q.len()];
+        let elements = self.model.elements.iter();
+        elements
+            .map(|element| element.tangent(q.as_slice(), &at_rest))
+            .collect()
+    }
+
+    /// The equilibrium with force elements in place of which their tangents act.
+    fn linearised(&self, tangents: &[ElementTangent], load: f64) -> Result<Balance, NotSliding> {
+        let (mut stiffness, mut right) = (self.stiffness.clone(), &self.right * load);
+        for (element, tangent) in std::iter::zip(&self.model.elements, tangents) {
+            let factor = element.factor.value(0.0);
+            for (k, response) in element.responses.iter().enumerate() {
+                let by_positions = std::iter::zip(&tangent.slopes, &tangent.positions);
+                let changes = by_positions.map(|(slopes, x)| slopes[k] * x);
+                let force = factor * (tangent.forces[k] - changes.sum::<f64>());
+                let slopes = std::iter::zip(element.directions, &tangent.slopes);
+                for &(i, x) in response {
+                    right[i] -= x * force;
+                    for (direction, slopes) in slopes.clone() {
+                        for &(j, a) in direction {
+                            stiffness[(i, j)] += x * factor * slopes[k] * a;
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(velocities) = self.velocities {
+            return Balance::of(self.model, (stiffness, right), velocities, self.sticking);
+        }
+        Ok(Balance {
+            displacements: solve(&stiffness, &right).ok_or(NotSliding::Singular)?,
+            accelerations: DVector::zeros(right.len()),
+            forces: Vec::new(),
+        })
+    }
 }
 
 /// Steady sliding at given velocities.
@@ -607,4 +837,55 @@ fn inverse_mass_times(model: &Model<'_>, units: &[f64], force: &DVector<f64>) ->
         let sum = beside.iter().map(|&(j, a)| a * force[j] / units[j]);
         (own * force[i] / units[i] + sum.sum::<f64>()) / units[i]
     })
+}
+
+/// Steady sliding at a relative velocity, and the direction of slip; otherwise the reason why the
+/// contact does not slide, by its number.
+fn sliding_of(
+    relative: f64,
+    law: &dyn LawObject,
+) -> Result<(Sliding, f64), fn(usize) -> NotSliding> {
+    let Some(direction) = Direction::of(relative) else {
+        return Err(|contact| NotSliding::NoSpeed { contact });
+    };
+    let (speed, direction) = (relative.abs(), direction.sign());
+    let slip = Slip {
+        speed,
+        direction,
+        piece: piece_above(law.breakpoints().into_iter(), speed),
+    };
+    match law.sliding(slip) {
+        Some(sliding) => Ok((sliding, direction)),
+        None => Err(|contact| NotSliding::NoSteadyMemory { contact }),
+    }
+}
+
+/// The solution of A x = b; `None` if A is singular to rounding.
+fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    let largest = a.amax();
+    let lu = a.clone().lu();
+    let pivots = lu.u().diagonal();
+    let least = f64::EPSILON * a.nrows() as f64 * largest;
+    if !pivots.iter().all(|pivot| pivot.abs() > least) {
+        return None;
+    }
+    lu.solve(b).filter(|x| x.iter().all(|x| x.is_finite()))
+}
+
+/// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are exactly
+/// 0.
+fn undamped(stiffness: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let squares = eigenvalues_of(stiffness)?;
+    let roots = squares.iter().map(|&square| (-square).sqrt());
+    Some(roots.flat_map(|root| [root, -root]).collect())
+}
+
+/// By falling real part, then by falling imaginary part.
+fn sort(values: &mut [Complex<f64>]) {
+    // No −0, which would sort after 0.
+    for value in values.iter_mut() {
+        *value += Complex::new(0.0, 0.0);
+    }
+    sort_by(values, |value| -value.im);
+    sort_by(values, |value| -value.re);
 }

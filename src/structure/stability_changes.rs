@@ -59,6 +59,10 @@ impl Structure {
             contact.load = Arc::new(held(&contact.load));
             frozen = frozen.with_contact(contact)?;
         }
+        for element in self.elements() {
+            let factor = held(element.factor());
+            frozen = frozen.with_element(element.clone().with_factor(factor)?)?;
+        }
         Ok(frozen)
     }
 

@@ -1,16 +1,8 @@
-use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::contact::Contact;
-use super::engine::contact::Entries;
+use super::sliding_field::SlidingField;
 use super::system::Structure;
 use crate::error::{Error, NotSliding};
-use crate::friction::memory::object::LawObject;
-use crate::friction::memory::{Sliding, Slip};
-use crate::friction::piece_above;
-use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
-use crate::numerics::sort::sort_by;
-use crate::state::Direction;
 
 /// Steady sliding of a [`Structure`]: the equilibrium in which every mass stands still while the
 /// belts move, and the eigenvalues of small motions about it.
@@ -100,7 +92,60 @@ impl Structure {
     /// leaves them out. For a drill string that is driven at a given speed, use the frame that
     /// rotates at this speed: in this frame the driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
-        SteadySliding::of(self)
+        SteadySliding::of(SlidingField::of(&self.model())?)
+    }
+
+    /// Steady sliding of a structure with [force elements](crate::ForceElement), searched by
+    /// Newton's method from given displacements, one for each coordinate.
+    ///
+    /// Nonlinear forces may have several equilibria; the search returns one of them, which need not
+    /// be the nearest. [`steady_sliding`](Self::steady_sliding) searches from displacements of 0.
+    /// If no equilibrium is found from there, the load is raised in eight steps. Without force
+    /// elements there is one equilibrium at most, and the given displacements have no effect.
+    ///
+    /// # Errors
+    ///
+    /// * the errors of [`steady_sliding`](Self::steady_sliding), with the reasons
+    ///   [`NotSliding::NotFound`] if no equilibrium was found, and [`NotSliding::AtBreakpoint`] if
+    ///   the equilibrium is on a breakpoint of a law;
+    /// * [`Error::WrongSize`] unless there is one displacement for each coordinate;
+    ///   [`Error::InvalidParameter`] for the first that is not finite.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, ForceElement, ForceLaw, Scalar, Structure};
+    ///
+    /// /// A buckled beam: two wells at ±1.
+    /// struct Wells;
+    /// impl ForceLaw for Wells {
+    ///     fn force<S: Scalar>(&self, x: S, _: S, _: usize) -> S {
+    ///         x.powi(3) - x
+    ///     }
+    /// }
+    ///
+    /// let friction = Contact::new(0, Coulomb::new(0.2, 0.2)?, 1.0)?.on_belt(0.5);
+    /// let beam = Structure::new(&[1.0])?
+    ///     .with_element(ForceElement::new(0, Wells)?)?
+    ///     .with_contact(friction)?;
+    /// for start in [-1.0, 1.0] {
+    ///     let sliding = beam.steady_sliding_from(&[start])?;
+    ///     let x = sliding.displacements[0];
+    ///     assert!((x.powi(3) - x - 0.2).abs() < 1e-15 && (x - start).abs() < 0.2);
+    ///     assert!((sliding.eigenvalues[0].im - (3.0 * x * x - 1.0).sqrt()).abs() < 1e-15);
+    /// }
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn steady_sliding_from(&self, displacements: &[f64]) -> Result<SteadySliding, Error> {
+        if displacements.len() != self.len() {
+            return Err(Error::WrongSize {
+                name: "displacements",
+                found: displacements.len(),
+                expected: self.len(),
+            });
+        }
+        for &displacement in displacements {
+            Error::check("Structure", "displacement", displacement, true, "any size")?;
+        }
+        SteadySliding::of(SlidingField::from(&self.model(), displacements)?)
     }
 }
 
@@ -112,320 +157,17 @@ impl SteadySliding {
             .all(|eigenvalue| eigenvalue.re < 0.0)
     }
 
-    pub(super) fn of(structure: &Structure) -> Result<Self, Error> {
-        if !structure.drives().all(|drive| drive.is_constant()) {
-            return Err(Error::NoSteadySliding(NotSliding::Driven));
-        }
-        let contacts = structure.contacts().iter().enumerate();
-        let contacts = contacts.map(|(number, contact)| {
-            Steady::of(contact).map_err(|reason| Error::NoSteadySliding(reason(number)))
-        });
-        let contacts: Vec<Steady<'_>> = contacts.collect::<Result<_, _>>()?;
-        Self::with(structure, &contacts).map_err(Error::NoSteadySliding)
-    }
-
-    /// Steady sliding with these contacts.
-    fn with(structure: &Structure, contacts: &[Steady<'_>]) -> Result<Self, NotSliding> {
-        let n = structure.len();
-        let mut stiffness = structure.stiffness().clone();
-        let mut damping = structure.damping().clone();
-        let forces = structure.forces().iter().map(|force| force.value(0.0));
-        let mut forces = DVector::from_iterator(n, forces);
-        for Steady {
-            contact, sliding, ..
-        } in contacts
-        {
-            for &(i, b) in contact.direction() {
-                forces[i] -= b * (contact.load().value(0.0) * sliding.coefficient);
-                for (j, gradient) in contact.whole_gradient() {
-                    stiffness[(i, j)] += b * (sliding.coefficient * gradient);
-                }
-            }
-            // A normal spring acts on its own direction.
-            let (normal, _) = contact.normal_spring().unwrap_or_default();
-            for &(i, d) in normal {
-                forces[i] -= d * contact.load().value(0.0);
-                for (j, gradient) in contact.whole_gradient() {
-                    stiffness[(i, j)] += d * gradient;
-                }
-            }
-        }
-        let frame = Frame::of(structure)?;
-        frame.scale(&mut stiffness);
-        frame.scale_force(&mut forces);
-        let displacements = solve(&stiffness, &forces).ok_or(NotSliding::Singular)?;
-        let displacements = frame.displacements(displacements);
-        let mut memories = Vec::new();
-        let mut idle = 0;
-        for (number, steady) in contacts.iter().enumerate() {
-            let Steady {
-                contact,
-                sliding,
-                direction,
-            } = steady;
-            let load = contact.load_at(0.0, &displacements);
-            if load.is_nan() || load <= 0.0 {
-                return Err(NotSliding::NoLoad {
-                    contact: number,
-                    load,
-                });
-            }
-            for &(i, b) in contact.direction() {
-                for &(j, other) in contact.direction() {
-                    damping[(i, j)] += b * other * (load * direction * sliding.slope);
-                }
-            }
-            let row = frame.row(contact.direction());
-            let memory = Memory::of(sliding, &row, load, *direction);
-            idle += sliding.by_memory.len() - memory.matrix.nrows();
-            // The force of an elastic contact follows its limit at once.
-            idle += usize::from(contact.tangential_stiffness().is_some());
-            memories.push(memory);
-        }
-        frame.scale(&mut damping);
-        let mut eigenvalues =
-            eigenvalues(&stiffness, &damping, &memories).ok_or(NotSliding::Eigenvalues)?;
+    /// Near steady sliding.
+    pub(super) fn of(field: SlidingField<'_, '_>) -> Result<Self, Error> {
+        let found = field.eigenvalues();
+        let (mut eigenvalues, idle) =
+            found.ok_or(Error::NoSteadySliding(NotSliding::Eigenvalues))?;
         let forgotten = Complex::new(f64::NEG_INFINITY, 0.0);
         eigenvalues.extend(std::iter::repeat_n(forgotten, idle));
         Ok(Self {
-            displacements,
+            displacements: field.displacements,
             eigenvalues,
-            accelerations: vec![0.0; n],
+            accelerations: field.accelerations,
         })
     }
-}
-
-/// A contact that slides steadily, and its direction of slip.
-struct Steady<'s> {
-    contact: &'s Contact,
-    sliding: Sliding,
-    direction: f64,
-}
-
-impl<'s> Steady<'s> {
-    /// The contact while all masses are at rest; otherwise the reason why it does not slide, by its
-    /// number.
-    fn of(contact: &'s Contact) -> Result<Self, fn(usize) -> NotSliding> {
-        let is_still = contact.belt_velocity().value(0.0) == 0.0;
-        if is_still && contact.tangential_stiffness().is_some() {
-            return Err(|contact| NotSliding::Continuum { contact });
-        }
-        let relative = -contact.belt_velocity().value(0.0);
-        let (sliding, direction) = sliding_of(relative, contact.law())?;
-        Ok(Self {
-            contact,
-            sliding,
-            direction,
-        })
-    }
-}
-
-/// Steady sliding at a relative velocity, and the direction of slip; otherwise the reason why the
-/// contact does not slide, by its number.
-pub(super) fn sliding_of(
-    relative: f64,
-    law: &dyn LawObject,
-) -> Result<(Sliding, f64), fn(usize) -> NotSliding> {
-    let Some(direction) = Direction::of(relative) else {
-        return Err(|contact| NotSliding::NoSpeed { contact });
-    };
-    let (speed, direction) = (relative.abs(), direction.sign());
-    let slip = Slip {
-        speed,
-        direction,
-        piece: piece_above(law.breakpoints().into_iter(), speed),
-    };
-    match law.sliding(slip) {
-        Some(sliding) => Ok((sliding, direction)),
-        None => Err(|contact| NotSliding::NoSteadyMemory { contact }),
-    }
-}
-
-/// Coordinates y = Lᵀq with M = L Lᵀ: the matrices L⁻¹ K L⁻ᵀ have units of time alone, and keep
-/// their symmetry if they have it.
-struct Frame(DMatrix<f64>);
-
-impl Frame {
-    fn of(structure: &Structure) -> Result<Self, NotSliding> {
-        let masses = structure.masses();
-        let mass = structure.mass_matrix();
-        let is_diagonal = matches!(mass, std::borrow::Cow::Owned(_));
-        if is_diagonal {
-            let roots = masses.iter().map(|mass| mass.sqrt());
-            let roots = DVector::from_iterator(masses.len(), roots);
-            return Ok(Self(DMatrix::from_diagonal(&roots)));
-        }
-        // Checked where the matrix was given.
-        let factor = mass.into_owned().cholesky();
-        factor
-            .map(|factor| Self(factor.l()))
-            .ok_or(NotSliding::Singular)
-    }
-
-    /// L⁻¹ A L⁻ᵀ.
-    fn scale(&self, matrix: &mut DMatrix<f64>) {
-        self.divide(matrix);
-        matrix.transpose_mut();
-        self.divide(matrix);
-        matrix.transpose_mut();
-    }
-
-    /// L⁻¹ A.
-    fn divide(&self, matrix: &mut DMatrix<f64>) {
-        let Self(root) = self;
-        for mut column in matrix.column_iter_mut() {
-            for i in 0..root.nrows() {
-                for j in 0..i {
-                    if root[(i, j)] != 0.0 {
-                        column[i] -= root[(i, j)] * column[j];
-                    }
-                }
-                column[i] /= root[(i, i)];
-            }
-        }
-    }
-
-    fn scale_force(&self, force: &mut DVector<f64>) {
-        let mut column = DMatrix::from_column_slice(force.len(), 1, force.as_slice());
-        self.divide(&mut column);
-        force.copy_from(&column.column(0));
-    }
-
-    /// q = L⁻ᵀy.
-    fn displacements(&self, mut y: DVector<f64>) -> Vec<f64> {
-        let Self(root) = self;
-        for i in (0..y.len()).rev() {
-            for j in i + 1..y.len() {
-                if root[(j, i)] != 0.0 {
-                    y[i] -= root[(j, i)] * y[j];
-                }
-            }
-            y[i] /= root[(i, i)];
-        }
-        y.as_slice().to_vec()
-    }
-
-    /// L⁻¹b.
-    fn row(&self, direction: &Entries) -> Vec<f64> {
-        let mut row = DVector::zeros(self.0.nrows());
-        for &(i, b) in direction {
-            row[i] = b;
-        }
-        self.scale_force(&mut row);
-        row.as_slice().to_vec()
-    }
-}
-
-/// Deviations of one contact's memory, except for variables without influence.
-struct Memory {
-    /// ∂z_i'/∂z_j.
-    matrix: DMatrix<f64>,
-    /// The direction L⁻¹b of the contact.
-    row: Vec<f64>,
-    /// The influence of z on the velocity along the contact, and of that velocity on z.
-    acts: Vec<f64>,
-    driven: Vec<f64>,
-}
-
-impl Memory {
-    fn of(sliding: &Sliding, row: &[f64], load: f64, direction: f64) -> Self {
-        let remembered = 0..sliding.by_memory.len();
-        let numbers: Vec<usize> = remembered.filter(|&j| !sliding.is_idle(j)).collect();
-        let count = numbers.len();
-        let acts = numbers.iter().map(|&j| -load * sliding.by_memory[j]);
-        let driven = numbers
-            .iter()
-            .map(|&j| direction * sliding.rates_by_speed[j]);
-        let (mut acts, mut driven): (Vec<f64>, Vec<f64>) = (acts.collect(), driven.collect());
-        let entry = |i: usize, j: usize| sliding.rates_by_memory[(numbers[i], numbers[j])];
-        let mut matrix = DMatrix::from_fn(count, count, entry);
-        // In units in which z acts on the velocity as strongly as that on z.
-        for j in 0..count {
-            let unit = (driven[j] / acts[j]).abs().sqrt();
-            if unit > 0.0 && unit.is_finite() {
-                acts[j] *= unit;
-                driven[j] /= unit;
-                matrix.row_mut(j).unscale_mut(unit);
-                matrix.column_mut(j).scale_mut(unit);
-            }
-        }
-        Self {
-            matrix,
-            row: row.to_vec(),
-            acts,
-            driven,
-        }
-    }
-}
-
-/// The solution of A x = b; `None` if A is singular to rounding.
-pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
-    let largest = a.amax();
-    let lu = a.clone().lu();
-    let pivots = lu.u().diagonal();
-    let least = f64::EPSILON * a.nrows() as f64 * largest;
-    if !pivots.iter().all(|pivot| pivot.abs() > least) {
-        return None;
-    }
-    lu.solve(b).filter(|x| x.iter().all(|x| x.is_finite()))
-}
-
-/// Eigenvalues s of s² + s C + K and the memory variables, by falling real part; `None` if they do
-/// not converge.
-fn eigenvalues(
-    stiffness: &DMatrix<f64>,
-    damping: &DMatrix<f64>,
-    memories: &[Memory],
-) -> Option<Vec<Complex<f64>>> {
-    let n = stiffness.nrows();
-    let remembered: usize = memories.iter().map(|memory| memory.matrix.nrows()).sum();
-    let mut values: Vec<Complex<f64>> = if damping.amax() == 0.0 && remembered == 0 {
-        undamped(stiffness.clone())?
-    } else {
-        // (ω q, q', z) for (q, q', z): blocks of one size.
-        let unit = stiffness.amax().sqrt();
-        let unit = if unit > 0.0 { unit } else { 1.0 };
-        let mut matrix = DMatrix::zeros(2 * n + remembered, 2 * n + remembered);
-        matrix.view_mut((0, n), (n, n)).fill_diagonal(unit);
-        matrix
-            .view_mut((n, 0), (n, n))
-            .copy_from(&(stiffness / -unit));
-        matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
-        let mut start = 2 * n;
-        for memory in memories {
-            let count = memory.matrix.nrows();
-            let place = (start, start);
-            matrix
-                .view_mut(place, (count, count))
-                .copy_from(&memory.matrix);
-            for j in 0..count {
-                for (i, b) in memory.row.iter().enumerate() {
-                    matrix[(n + i, start + j)] = b * memory.acts[j];
-                    matrix[(start + j, n + i)] = b * memory.driven[j];
-                }
-            }
-            start += count;
-        }
-        eigenvalues_of(matrix)?
-    };
-    sort(&mut values);
-    Some(values)
-}
-
-/// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are exactly
-/// 0.
-pub(super) fn undamped(stiffness: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let squares = eigenvalues_of(stiffness)?;
-    let roots = squares.iter().map(|&square| (-square).sqrt());
-    Some(roots.flat_map(|root| [root, -root]).collect())
-}
-
-/// By falling real part, then by falling imaginary part.
-pub(super) fn sort(values: &mut [Complex<f64>]) {
-    // No −0, which would sort after 0.
-    for value in values.iter_mut() {
-        *value += Complex::new(0.0, 0.0);
-    }
-    sort_by(values, |value| -value.im);
-    sort_by(values, |value| -value.re);
 }

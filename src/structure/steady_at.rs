@@ -1,11 +1,9 @@
 //! Steady sliding at given velocities: rigid-body motions are left out, and contacts may stick.
 
-use nalgebra::Complex;
-
 use super::sliding_field::SlidingField;
 use super::steady::SteadySliding;
 use super::system::Structure;
-use crate::error::{Error, NotSliding};
+use crate::error::Error;
 
 /// Steady sliding of structures that move as a whole.
 impl Structure {
@@ -90,16 +88,6 @@ impl Structure {
             Error::check("Structure", "velocity", velocity, true, "any size")?;
         }
         let model = self.model();
-        let field = SlidingField::at(&model, velocities)?;
-        let found = field.eigenvalues();
-        let (mut eigenvalues, idle) =
-            found.ok_or(Error::NoSteadySliding(NotSliding::Eigenvalues))?;
-        let forgotten = Complex::new(f64::NEG_INFINITY, 0.0);
-        eigenvalues.extend(std::iter::repeat_n(forgotten, idle));
-        Ok(SteadySliding {
-            displacements: field.displacements.clone(),
-            eigenvalues,
-            accelerations: field.accelerations,
-        })
+        SteadySliding::of(SlidingField::at(&model, velocities)?)
     }
 }

@@ -32,7 +32,7 @@ fn drive(random: &mut Random, about: f64, amplitude: f64, may_jump: bool) -> Dri
     }
 }
 
-fn coordinate(random: &mut Random, n: usize) -> usize {
+pub(crate) fn coordinate(random: &mut Random, n: usize) -> usize {
     (random.bits() % n as u64) as usize
 }
 
@@ -104,7 +104,7 @@ fn contact(random: &mut Random, n: usize, scale: f64) -> Contact {
 
 /// A structure of up to four contacts of all kinds, and a start of it. `scale` is the unit of
 /// length, force and velocity.
-fn draw(random: &mut Random) -> (Structure, State) {
+pub(crate) fn draw(random: &mut Random) -> (Structure, State) {
     let n = 1 + coordinate(random, 4);
     let scale = random.pick(&[1.0, 1.0, 3.7e-3]);
     let masses: Vec<f64> = (0..n).map(|_| random.uniform(0.5, 2.0)).collect();
@@ -137,7 +137,11 @@ fn draw(random: &mut Random) -> (Structure, State) {
     (structure, State::new(&numbers(), &numbers()))
 }
 
-fn run(structure: &Structure, time: f64, start: State) -> Result<Trajectory<State>, Error> {
+pub(crate) fn run(
+    structure: &Structure,
+    time: f64,
+    start: State,
+) -> Result<Trajectory<State>, Error> {
     Integrator::new()
         .with_start_time(time)?
         .simulate(structure, start, DURATION - time)
@@ -166,6 +170,15 @@ fn later<'m>(
     };
     let late = events.iter().filter(|event| event.time > time + 1e-6);
     late.filter(|event| !is_with_another(event)).collect()
+}
+
+/// The distance of two motions from rest.
+pub(crate) fn difference(
+    structure: &Structure,
+    one: &Trajectory<State>,
+    other: &Trajectory<State>,
+) -> f64 {
+    distance(structure, one, other, 0.0)
 }
 
 /// The distance of two motions after a time: of the times of their events, and of their last

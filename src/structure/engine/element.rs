@@ -52,6 +52,18 @@ impl<'s> ElementData<'s> {
         self.law.forces(self.place(&positions, &velocities))
     }
 
+    /// F_i, and their derivatives by x_j and then y_j, a list over i for each, without the factor.
+    pub(crate) fn tangent(&self, q: &[f64], v: &[f64]) -> ElementTangent {
+        let [positions, velocities] = [q, v].map(|x| self.along(|j| x[j]));
+        let place = self.place(&positions, &velocities);
+        let inputs = 0..2 * positions.len();
+        ElementTangent {
+            forces: self.law.forces(place),
+            slopes: inputs.map(|by| self.law.slopes(place, by)).collect(),
+            positions,
+        }
+    }
+
     /// U; 0 for a law without a potential.
     pub(crate) fn potential(&self, q: impl Fn(usize) -> f64) -> f64 {
         let positions = self.along(q);
@@ -83,6 +95,15 @@ impl std::fmt::Debug for ElementData<'_> {
         let data = (self.directions, &self.factor);
         data.fmt(f)
     }
+}
+
+/// The force of an element and its derivatives in one state.
+#[derive(Debug, Clone)]
+pub(crate) struct ElementTangent {
+    /// x_i.
+    pub(crate) positions: Vec<f64>,
+    pub(crate) forces: Vec<f64>,
+    pub(crate) slopes: Vec<Vec<f64>>,
 }
 
 pub(super) fn sum(direction: &Entries, x: impl Fn(usize) -> f64) -> f64 {

@@ -500,22 +500,33 @@ impl Reach {
     /// allowed because nothing moves.
     #[inline(always)]
     fn of(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
-        if self.has_gaps {
-            self.over_gaps(error, c, n)
-        } else if c[n] == 0.0 && c[n - 1] == 0.0 {
+        let by_last = if c[n] == 0.0 && c[n - 1] == 0.0 {
             f64::INFINITY
         } else {
             reach(error, c, n)
+        };
+        if !self.has_gaps {
+            return by_last;
+        }
+        /// The last terms of a series without gaps may show a radius that is larger by this factor:
+        /// that of e^t at order 26 is 1.28 times that at order 19.
+        const DENSE: f64 = 1.5;
+        let over_gaps = self.over_gaps(error, c, n);
+        if by_last <= DENSE * over_gaps {
+            by_last
+        } else {
+            over_gaps
         }
     }
 
-    /// The reach by the least radius of convergence that the last terms show.
+    /// The reach by the least radius of convergence that one of the last terms shows.
     #[inline(never)]
     fn over_gaps(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
         /// Number of the last terms of which one at least is not 0 in a series with gaps.
         const LAST: usize = 8;
         let radii = (n + 1 - LAST..=n).filter(|&k| c[k] != 0.0);
         let radii = radii.map(|k| root_of_ratio(error / self.tolerance, c[k].abs(), k));
-        root_of_ratio(self.tolerance, 1.0, n) * radii.fold(f64::INFINITY, f64::min)
+        let least = radii.fold(f64::INFINITY, f64::min);
+        root_of_ratio(self.tolerance, 1.0, n) * least
     }
 }
