@@ -1,10 +1,10 @@
 //! The laws of the force elements of the reference files.
 
 use serde_json::Value;
-use stick_slip::{ForceElement, ForceField, ForceLaw, Scalar};
+use stick_slip::{Drive, ForceElement, ForceField, ForceLaw, Scalar};
 
 use crate::reading::{drive, numbers};
-use crate::{list, number, text};
+use crate::{Random, list, number, text};
 
 /// A law of one direction.
 #[derive(Debug, Clone)]
@@ -98,6 +98,41 @@ impl ForceField for QuarticPair {
     fn potential<S: Scalar>(&self, [x, y]: [S; 2]) -> Option<S> {
         Some((x.square() + y.square()).square() * (0.25 * self.0))
     }
+}
+
+/// An element of any kind on some of n coordinates.
+pub fn random(random: &mut Random, n: usize) -> ForceElement {
+    let size = random.uniform(0.2, 1.5);
+    let length = random.uniform(0.3, 1.5);
+    let one = |random: &mut Random| (random.bits() % n as u64) as usize;
+    let direction = |random: &mut Random| -> Vec<(usize, f64)> {
+        match random.bits() % 3 {
+            0 => vec![(one(random), random.sign())],
+            _ => (0..n).map(|j| (j, random.uniform(-1.0, 1.0))).collect(),
+        }
+    };
+    let law = match random.bits() % 9 {
+        0 => {
+            let rows = [0, 1].map(|_| direction(random));
+            let field = QuarticPair(size);
+            return ForceElement::field(&[&rows[0], &rows[1]], field).unwrap();
+        }
+        1 => Force::Sine([size, length]),
+        2 => Force::Snap([size, length, random.uniform(0.3, 1.0)]),
+        3 => Force::Exponential([size, length]),
+        4 => Force::VanDerPol([random.uniform(0.0, 0.3), size]),
+        5 => Force::CubicDamper(0.2 * size),
+        6 => Force::Magnet([0.05 * size, 4.0]),
+        7 => Force::Gap([size, 0.5 * length]),
+        _ => Force::Polynomial(vec![0.0, random.uniform(-0.2, 0.2), size]),
+    };
+    let element = ForceElement::along(&direction(random), law).unwrap();
+    if !random.bits().is_multiple_of(3) {
+        return element;
+    }
+    let factor = Drive::harmonic(random.uniform(0.1, 0.5), random.uniform(0.5, 2.0), 0.3);
+    let factor = factor.and_then(|factor| factor.with_constant(1.0));
+    element.with_factor(factor.unwrap()).unwrap()
 }
 
 /// A force element of a file.

@@ -9,6 +9,7 @@ use stick_slip::{
     LuGre, Mode, Polynomial, Rational, Segment, Structure, Tabulated,
 };
 
+use crate::common::forces;
 use crate::common::orbit::monodromy;
 use crate::common::{Random, count};
 use crate::reading::Raised;
@@ -221,15 +222,38 @@ fn column(
 
 #[test]
 fn derivatives_are_those_of_motions_beside() {
-    let mut random = Draw(Random::new(5));
+    agree(Draw(Random::new(5)), count(30, 200), &mut |_, structure| {
+        structure
+    });
+}
+
+/// The same with one or two force elements.
+#[test]
+fn derivatives_with_force_elements_are_those_of_motions_beside() {
+    let mut add = |random: &mut Draw, mut structure: Structure| {
+        for _ in 0..=random.one_of(2) {
+            let element = forces::random(&mut random.0, structure.len());
+            structure = structure.with_element(element).unwrap();
+        }
+        structure
+    };
+    agree(Draw(Random::new(52)), count(30, 300), &mut add);
+}
+
+/// Compares the derivatives of so many motions of structures, drawn and then completed.
+fn agree(
+    mut random: Draw,
+    enough: usize,
+    complete: &mut dyn FnMut(&mut Draw, Structure) -> Structure,
+) {
     let (mut motions, mut columns, mut worst) = (0, 0, 0.0_f64);
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut tried = 0;
-    let enough = count(30, 200);
     while motions < enough {
         tried += 1;
         assert!(tried < 10 * enough, "{motions}");
         let structure = random.structure();
+        let structure = complete(&mut random, structure);
         let start = random.start(&structure);
         let duration = random.uniform(1.0, 8.0);
         let (steps, exact) = match monodromy(&structure, &start, duration) {

@@ -19,6 +19,7 @@ mod event_loci;
 mod families;
 mod fold_grazing;
 mod follow;
+mod forces;
 mod formulas;
 mod hopf_loci;
 mod jenkins;
