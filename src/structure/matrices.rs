@@ -16,6 +16,17 @@ pub(super) fn check_count(coordinates: usize) -> Result<(), Error> {
     Error::check("Structure", "masses", coordinates as f64, in_range, allowed).map(drop)
 }
 
+/// The largest number of contacts: the couplings of this number take 256 MiB.
+pub(super) const MAX_CONTACTS: usize = 4096;
+
+/// Checks the number of contacts.
+pub(super) fn check_contacts(contacts: usize) -> Result<(), Error> {
+    const { assert!(MAX_CONTACTS == 4096) } // the number in the message
+    let allowed = "at most 4096: their number; replace contacts of the same direction by one";
+    let in_range = contacts <= MAX_CONTACTS;
+    Error::check("Structure", "contacts", contacts as f64, in_range, allowed).map(drop)
+}
+
 /// Checks the masses of a structure.
 pub(super) fn check_masses(
     masses: &[f64],

@@ -6,8 +6,8 @@ use super::contact::Contact;
 use super::engine::model::{Mass, Model};
 use super::force_element::ForceElement;
 use super::matrices::{
-    MAX_COORDINATES, add, add_between, add_matrix, check_count, check_definite, check_masses,
-    make_symmetric,
+    MAX_CONTACTS, MAX_COORDINATES, add, add_between, add_matrix, check_contacts, check_count,
+    check_definite, check_masses, make_symmetric,
 };
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
@@ -146,6 +146,10 @@ impl Structure {
     /// The largest number of coordinates, 4096. Matrices are stored with all their entries: at this
     /// size each takes 128 MiB.
     pub const MAX_COORDINATES: usize = MAX_COORDINATES;
+
+    /// The largest number of contacts, 4096. If all of them act on one coordinate, their couplings
+    /// take 256 MiB.
+    pub const MAX_CONTACTS: usize = MAX_CONTACTS;
 
     /// Creates a structure of free masses m_i > 0, one for each coordinate, without springs,
     /// dampers, forces or contacts.
@@ -339,8 +343,10 @@ impl Structure {
     /// * [`Error::BeltVelocityJumps`] if the contact is rigid and the velocity of its surface
     ///   jumps; [`Error::BadElement`] if that velocity is not finite at all times;
     /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290: outside this range forces would
-    ///   lose digits. b_j are the entries of the direction, and m_j the masses.
+    ///   lose digits. b_j are the entries of the direction, and m_j the masses;
+    /// * [`Error::InvalidParameter`] beyond [`MAX_CONTACTS`](Self::MAX_CONTACTS).
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
+        check_contacts(self.contacts.len() + 1)?;
         contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
         Ok(self)

@@ -97,6 +97,16 @@ fn the_number_of_coordinates_is_bounded() {
     assert_eq!(masses(most).len(), most);
 }
 
+/// Contacts that share a coordinate are coupled, each with each: their number is bounded, too.
+#[test]
+fn the_number_of_contacts_is_bounded() {
+    let contact = Contact::new(0, law(), 1.0).unwrap();
+    let many = |n: usize| masses(1).with_contacts(vec![contact.clone(); n]);
+    let most = Structure::MAX_CONTACTS;
+    assert_eq!(many(most).unwrap().contacts().len(), most);
+    message(many(most + 1), &["contacts = 4097", "at most 4096", "one"]);
+}
+
 /// The words about a load that is not positive say what describes a gap, and those about parallel
 /// contacts in stick what can replace them.
 #[test]
