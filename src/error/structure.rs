@@ -104,6 +104,8 @@ pub enum NotSliding {
     },
     /// The stiffness matrix, including the terms that friction adds to it, is singular.
     Singular,
+    /// A force, or a displacement or acceleration of steady sliding, overflows.
+    Overflow,
     /// The eigenvalues could not be computed.
     Eigenvalues,
 }
@@ -168,6 +170,10 @@ impl std::fmt::Display for NotSliding {
             Self::Singular => f.write_str(
                 "the stiffness matrix is singular; restrain the rigid-body modes, for example by \
                  a spring to the ground in a frame that moves with the masses",
+            ),
+            Self::Overflow => f.write_str(
+                "a force, a displacement or an acceleration overflows; choose other units of \
+                 length and of time",
             ),
             Self::Eigenvalues => f.write_str(
                 "the eigenvalues could not be computed; check the sizes of the matrix entries",

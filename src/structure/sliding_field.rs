@@ -81,6 +81,9 @@ impl<'m, 's> SlidingField<'m, 's> {
         let contacts = contacts.map(|(number, contact)| {
             let surface = [contact.belt_velocity.value(0.0), 0.0];
             let relative = contact.sliding_velocity(|j| moving[j], surface, 0.0);
+            if !relative.is_finite() {
+                return Err(NotSliding::Overflow);
+            }
             let may_stick = contact.is_elastic() || contact.law.limit(&|_| 0.0).is_some();
             if relative == 0.0 && velocities.is_some() && may_stick {
                 return Ok(None);
@@ -697,7 +700,7 @@ impl Equilibrium<'_, '_, '_> {
             return Balance::of(self.model, (stiffness, right), velocities, self.sticking);
         }
         Ok(Balance {
-            displacements: solve(&stiffness, &right).ok_or(NotSliding::Singular)?,
+            displacements: solve(&stiffness, &right)?,
             accelerations: DVector::zeros(right.len()),
             forces: Vec::new(),
         })
@@ -731,9 +734,13 @@ impl Balance {
     ) -> Result<Self, NotSliding> {
         let n = model.len();
         let rows = elastic_rows(model);
+        let fastest = velocities.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         for row in &rows {
-            let terms = row.iter().zip(velocities).map(|(k, v)| k * v);
+            // In units in which no sum overflows.
+            let terms = row.iter().zip(velocities);
+            let terms = terms.map(|(k, v)| (k / row.amax()) * (v / fastest));
             let [sum, size] = terms.fold([0.0, 0.0], |[sum, size], x| [sum + x, size + x.abs()]);
+            // NaN for a row of zeros and for rest, which change no force.
             if f64::abs(sum) > ROUNDING * size {
                 let moves = |j: &usize| row[*j] * velocities[*j] != 0.0;
                 let coordinate = (0..n).find(moves).unwrap_or(0);
@@ -743,7 +750,7 @@ impl Balance {
         let motions = null_space(model, &rows);
         if motions.is_empty() {
             return Ok(Self {
-                displacements: solve(&stiffness, &right).ok_or(NotSliding::Singular)?,
+                displacements: solve(&stiffness, &right)?,
                 accelerations: DVector::zeros(n),
                 forces: vec![0.0; sticking.len()],
             });
@@ -806,8 +813,7 @@ impl Balance {
             force_units.push(size / unit);
         }
         let forces = DVector::from_fn(n, |i, _| right[i] / units[i]);
-        let found = solve(&matrix, &forces.clone().resize_vertically(n + d + r, 0.0));
-        let found = found.ok_or(NotSliding::Singular)?;
+        let found = solve(&matrix, &forces.clone().resize_vertically(n + d + r, 0.0))?;
         let accelerations = &motions * found.rows(n, d) * size;
         let rounding = ROUNDING * forces.amax().max(scaled.amax() * found.rows(0, n).amax());
         let accelerations = DVector::from_fn(n, |j, _| match accelerations[j] {
@@ -860,16 +866,29 @@ fn sliding_of(
     }
 }
 
-/// The solution of A x = b; `None` if A is singular to rounding.
-fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+/// The solution of A x = b.
+///
+/// # Errors
+///
+/// [`NotSliding::Singular`] if A is singular to rounding, [`NotSliding::Overflow`] if a number is
+/// not finite.
+fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NotSliding> {
     let largest = a.amax();
+    if !a.iter().chain(b.iter()).all(|x| x.is_finite()) {
+        return Err(NotSliding::Overflow);
+    }
     let lu = a.clone().lu();
     let pivots = lu.u().diagonal();
     let least = f64::EPSILON * a.nrows() as f64 * largest;
     if !pivots.iter().all(|pivot| pivot.abs() > least) {
-        return None;
+        return Err(NotSliding::Singular);
     }
-    lu.solve(b).filter(|x| x.iter().all(|x| x.is_finite()))
+    let found = lu.solve(b).ok_or(NotSliding::Singular)?;
+    if found.iter().all(|x| x.is_finite()) {
+        Ok(found)
+    } else {
+        Err(NotSliding::Overflow)
+    }
 }
 
 /// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are exactly

@@ -41,8 +41,9 @@ impl Structure {
     /// reason ([`NotSliding`](crate::structure::NotSliding)), if a drive varies in time, if the
     /// velocities deform a spring, if a load is not positive, if memory variables of a contact that
     /// slips have no constant values, if balance requires more than the limit force of a contact
-    /// that sticks, if a law that never sticks has the relative velocity 0, or if the stiffness
-    /// matrix with the terms of friction is singular on the remaining directions.
+    /// that sticks, if a law that never sticks has the relative velocity 0, if a number overflows,
+    /// or if the stiffness matrix with the terms of friction is singular on the remaining
+    /// directions.
     ///
     /// ```
     /// use stick_slip::{Contact, Exponential, Structure};

@@ -254,6 +254,36 @@ fn velocities_that_are_not_steady_are_refused() {
     assert_eq!(found.eigenvalues.len(), 2);
 }
 
+/// Large velocities are those of a rigid-body motion, or not, like others; what overflows is told.
+#[test]
+fn large_velocities_are_compared_and_overflow_is_told() {
+    let reason = |found: Result<SteadySliding, Error>| match found {
+        Err(Error::NoSteadySliding(reason)) => reason,
+        other => panic!("{other:?}"),
+    };
+    let pair = Structure::new(&[1.0, 1.0]).unwrap();
+    let pair = pair.with_spring(0, 1, 1e300).unwrap();
+    for v in [1e-308, 1.0, 1e308] {
+        let found = reason(pair.steady_sliding_at(&[v, -v]));
+        assert_eq!(found, NotSliding::Deforms { coordinate: 0 }, "{v}");
+        assert!(pair.steady_sliding_at(&[v, v]).is_ok(), "{v}");
+    }
+    let damped = pair.clone().with_ground_damper(0, 10.0).unwrap();
+    let found = reason(damped.steady_sliding_at(&[1e308, 1e308]));
+    assert_eq!(found, NotSliding::Overflow);
+    let clutch = Contact::between(0, 1, falling(), 1.0).unwrap();
+    let apart = Structure::new(&[1.0, 1.0]).unwrap();
+    let apart = apart.with_contact(clutch).unwrap();
+    let found = reason(apart.steady_sliding_at(&[1e308, -1e308]));
+    assert_eq!(found, NotSliding::Overflow);
+    // A soft spring under a large force, in both searches.
+    let soft = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1e-300)?.with_force(0, 1e300))
+        .unwrap();
+    assert_eq!(reason(soft.steady_sliding()), NotSliding::Overflow);
+    assert_eq!(reason(soft.steady_sliding_at(&[0.0])), NotSliding::Overflow);
+}
+
 /// A rigid joint that sticks is a constraint: with a full mass matrix, a load that depends on
 /// displacements, and contacts that slip, the structure of one coordinate less has the same
 /// eigenvalues.
