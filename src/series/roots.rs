@@ -6,7 +6,8 @@ use std::ops::ControlFlow;
 use super::{PowerSeries, quarters};
 
 /// Error: the roots of a polynomial cannot be isolated in bounded work, because its coefficients
-/// are far larger than its values, or because it is very flat about a root. Remedy: a shorter step.
+/// are far larger than its values, because it is very flat about a root, or because its values
+/// overflow. Remedy: a shorter step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TooCurved;
 
@@ -34,6 +35,9 @@ impl PowerSeries {
     ) -> Result<Option<f64>, TooCurved> {
         if self.stays_away(h, values, curvature) {
             return Ok(None);
+        }
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err(TooCurved);
         }
         let mut root = None;
         let search = Search::new(self, h, curvature);

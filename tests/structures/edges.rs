@@ -9,6 +9,26 @@ use stick_slip::{
 
 use crate::work::Work;
 
+/// Without a spring a step may be so long that its series overflow.
+#[test]
+fn a_block_stops_under_the_largest_friction() {
+    for friction in [1.0, 1e100, 1e300, 1e307, 1e308, f64::MAX] {
+        for speed in [1e2, 1e10] {
+            let law = Coulomb::new(friction, friction).unwrap();
+            let block = Structure::new(&[1.0])
+                .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
+                .unwrap();
+            let motion = block.simulate(State::new(&[0.0], &[speed]), 1e11).unwrap();
+            let [stick] = motion.events() else {
+                panic!("{friction:e} {speed:e}: {:?}", motion.events())
+            };
+            let time = speed / friction;
+            assert_eq!(stick.kind, EventKind::Stick);
+            assert!((stick.time - time).abs() <= 4.0 * f64::EPSILON * time);
+        }
+    }
+}
+
 /// A block that slides to a stop takes ∫ m ds/(N μ(s)). Where it starts, the law has no derivative
 /// that is not rounding, and no spring, or a very soft one, gives a time in which to measure
 /// velocities.
