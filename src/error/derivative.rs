@@ -19,6 +19,9 @@ pub enum NotDifferentiable {
         /// The time of the first of these events, in units of time.
         time: f64,
     },
+    /// The family jumps or has a kink at the parameter: difference quotients from shorter and
+    /// shorter increments do not come closer to each other, or those of both sides differ.
+    Kink,
     /// There is no motion on either side of the parameter: the family returns an error, or the
     /// motion ends in one.
     NoMotion(Box<Error>),
@@ -39,6 +42,11 @@ impl std::fmt::Display for NotDifferentiable {
                  different orders, and the derivatives of both sides differ; choose another value \
                  of the parameter, or a shorter duration",
                 Plain(*time)
+            ),
+            Self::Kink => f.write_str(
+                "difference quotients from shorter and shorter increments, or those of both \
+                 sides, differ: the family jumps or has a kink there; choose another value of the \
+                 parameter",
             ),
             Self::NoMotion(error) => write!(
                 f,

@@ -499,6 +499,64 @@ fn a_parameter_within_underflow_has_the_derivative_of_zero() {
     }
 }
 
+/// A parameter that is small in the unit of the motion: q = t(1 + p) − t²/4.
+#[test]
+fn a_parameter_may_be_far_below_its_unit() {
+    for value in [1e-300, 1e-100, -1e-30, 1e-12, -1e-8, 1e-6, 1e-4] {
+        let family = |p: &[f64]| Ok((sliding_block(0.5)?.0, State::new(&[0.0], &[1.0 + p[0]])));
+        let found = sensitivities(family, &[value], 1.0).unwrap();
+        let end = found.at(1.0).unwrap();
+        assert_abs_diff_eq!(end[(0, 0)], 1.0, epsilon = ACCURACY);
+        assert_abs_diff_eq!(end[(1, 0)], 1.0, epsilon = ACCURACY);
+    }
+}
+
+/// Families that are not smooth at the parameter, on whichever side its value belongs.
+#[test]
+fn jumps_and_kinks_of_a_family_are_told() {
+    type Speed = fn(f64) -> f64;
+    let jumps: [Speed; 3] = [
+        |p| if p > 1.0 { 1.5 } else { 1.0 },
+        |p| p + if p >= 1.0 { 0.5 } else { 0.0 },
+        |p| 1.0 + 0.5 * if p == 1.0 { 0.0 } else { (p - 1.0).signum() },
+    ];
+    let kinks: [Speed; 4] = [
+        |p| 1.0 + (p - 1.0).abs(),
+        |p| p + 1e-3 * (p - 1.0).max(0.0),
+        |p| 1.0 + (p - 1.0).cbrt(),
+        |p| 1.0 + (p - 1.0).abs().sqrt(),
+    ];
+    for speed in jumps.into_iter().chain(kinks) {
+        for duration in [1.0, 3.0] {
+            let start = |p: f64| State::new(&[0.0], &[speed(p)]);
+            let family = |p: &[f64]| Ok((sliding_block(0.5)?.0, start(p[0])));
+            let found = sensitivities(family, &[1.0], duration).map(|found| found.at(duration));
+            let reason = NotDifferentiable::Kink;
+            let kink = Error::NoDerivative {
+                parameter: 0,
+                reason,
+            };
+            assert_eq!(found, Err(kink));
+        }
+    }
+    // Smooth functions with large derivatives of higher orders.
+    let smooth: [Speed; 3] = [
+        |p| 1.0 + (100.0 * (p - 1.0)).sin(),
+        |p| 1.0 + (30.0 * (p - 1.0)).exp_m1(),
+        |p| 1.0 / (1.0 + 300.0 * (p - 1.0).powi(2)),
+    ];
+    for (speed, slope) in std::iter::zip(smooth, [100.0, 30.0, 0.0]) {
+        let start = |p: f64| State::new(&[0.0], &[speed(p)]);
+        let family = |p: &[f64]| Ok((sliding_block(0.5)?.0, start(p[0])));
+        let found = sensitivities(family, &[1.0], 1.0).unwrap();
+        assert_abs_diff_eq!(
+            found.at(1.0).unwrap()[(0, 0)],
+            slope,
+            epsilon = 1e-8 * (1.0 + slope)
+        );
+    }
+}
+
 /// Members of a family that have other coordinates or memory variables than the motion have no
 /// difference from it.
 #[test]

@@ -211,8 +211,9 @@ impl<'w> Work<'w> {
 /// parameter changes the motion by about a thousandth of the motion's size. The increment is then
 /// divided by 4 again and again, as long as the derivatives from two successive increments come
 /// closer to each other. The error is about 1e-11 of the largest derivative, and below 1e-10 for
-/// all reference motions of the tests. The difference is one-sided if the family returns an error
-/// on one side of the parameter, or if the motion has other events there.
+/// all reference motions of the tests. It is at most a thousandth, or the result is an error. The
+/// difference is one-sided if the family returns an error on one side of the parameter, or if the
+/// motion has other events there.
 ///
 /// Several contacts may have events at the same instant: elements in parallel, symmetric masses,
 /// or a contact that slips because another one sticks. In neighbouring motions these events happen
@@ -232,7 +233,8 @@ impl<'w> Work<'w> {
 /// * [`Error::NoDerivative`], with the number of the parameter and the reason
 ///   ([`NotDifferentiable`]): the motion has other events on both sides of the parameter, however
 ///   small the increment (as at grazing); the derivatives of both sides differ because events at
-///   the same instant follow in another order; or the family returns an error on both sides;
+///   the same instant follow in another order; the family jumps or has a kink at the parameter; or
+///   the family returns an error on both sides;
 /// * [`Error::TooManySteps`] after 10⁷ steps of all motions;
 /// * the errors of the family, and those of [`Integrator::simulate`](crate::Integrator::simulate).
 ///

@@ -413,10 +413,20 @@ const AGREE: f64 = 1e-11;
 /// increments bring them nearer to each other at last.
 const COARSE: f64 = 1e-7;
 
+/// Derivatives that differ by more than this part, as at a jump, do not converge.
+const DIVERGED: f64 = 1e-3;
+
+/// Derivatives of both sides may differ by this many errors of the derivative.
+const ERRORS: f64 = 16.0;
+
 /// A change below this is too small to be measured.
 const UNSEEN: f64 = 1e-9;
 
-/// The largest increment, in parts of the parameter, and that of a parameter that is 0.
+/// If a hundredth of a small parameter changes the motion by less than this, increments are those of
+/// a parameter of size 1.
+const SLIGHT: f64 = 1e-5;
+
+/// The largest increment, in parts of the parameter, or of 1.
 const LARGEST: f64 = 1e-2;
 
 /// The first increment.
@@ -424,6 +434,9 @@ const FIRST: f64 = 1e-7;
 
 /// The least increment.
 const LEAST: f64 = 1e-11;
+
+/// The rounding errors of a motion, in units of its size.
+const ROUNDING: f64 = 8192.0 * f64::EPSILON;
 
 /// Derivatives of both sides that differ by this part are different.
 const APART: f64 = 1e-7;
@@ -509,11 +522,18 @@ impl Variation {
         value: f64,
         run: &dyn Fn(f64) -> Result<Run, Error>,
     ) -> Result<Self, NotDifferentiable> {
-        /// Increments after which the derivatives of both sides will not come closer.
+        /// Increments after which derivatives will not come closer.
         const TRIED: usize = 3;
+        let stays = |differences: &[[f64; 3]]| {
+            let count = differences.len();
+            let before = count.checked_sub(TRIED + 1).map(|i| differences[i]);
+            before.is_some_and(|before| {
+                std::iter::zip(differences[count - 1], before).any(|(by, before)| by > 0.5 * before)
+            })
+        };
         // A parameter that is 0 tells nothing of its unit; nor does one of which parts underflow.
-        let has_no_unit = value.abs() < f64::MIN_POSITIVE;
-        let [mut least, first, largest] = if has_no_unit {
+        let mut has_no_unit = value.abs() < f64::MIN_POSITIVE;
+        let [mut least, first, mut most] = if has_no_unit {
             [1e-60, FIRST, 1e60]
         } else {
             [LEAST, FIRST, LARGEST].map(|part| part * value.abs())
@@ -526,7 +546,7 @@ impl Variation {
         };
         // The increment that changes the motion as much as it may.
         let mut step = first;
-        let mut most = largest;
+        let mut is_bounded = most >= LARGEST;
         loop {
             let sides = [step, -step].into_iter();
             let change = sides
@@ -538,6 +558,9 @@ impl Variation {
             beside.found.borrow_mut().clear();
             match change {
                 Some(change) if change < UNSEEN && 100.0 * step < most => step *= 100.0,
+                Some(change) if !is_bounded && change * most < SLIGHT * step => {
+                    (most, is_bounded, has_no_unit) = (LARGEST, true, true);
+                }
                 Some(change) => {
                     step = (step * CHANGE / change.max(UNSEEN * UNSEEN)).min(most);
                     if has_no_unit {
@@ -547,27 +570,27 @@ impl Variation {
                 }
                 None if step < least => return Err(beside.reason.into_inner()),
                 None => {
-                    most = step;
+                    (most, is_bounded) = (step, true);
                     step *= 0.1;
                 }
             }
         }
         // Shorter ones, as long as that brings derivatives nearer to each other: a motion may bend
         // more than its size says, and rounding grows with every reduction.
-        let mut best: Option<(f64, Self)> = None;
+        let mut best: Option<Candidate> = None;
         let mut last: Option<DVector<f64>> = None;
         let mut apart: Vec<[f64; 3]> = Vec::new();
+        let mut rough: Vec<[f64; 3]> = Vec::new();
         while step >= least {
             let slope = Self::with_step(value, step, &beside);
             beside.found.borrow_mut().clear();
+            let increment = step;
             step *= 0.25;
             let found = match slope {
                 Slope::Of(found) => found,
                 Slope::Differs(by, time) => {
                     apart.push(by);
-                    let before = apart.len().checked_sub(TRIED + 1);
-                    let before = before.map_or([f64::INFINITY; 3], |before| apart[before]);
-                    if std::iter::zip(by, before).any(|(by, before)| by > 0.5 * before) {
+                    if stays(&apart) {
                         return Err(NotDifferentiable::Order { time });
                     }
                     continue;
@@ -578,26 +601,38 @@ impl Variation {
                 continue;
             };
             let Some(before) = last.replace(probe.clone()) else {
-                best = Some((f64::INFINITY, found));
                 continue;
             };
-            let error = (&probe - before).amax();
-            if error <= AGREE * probe.amax() {
-                return Ok(found);
-            }
-            match &best {
-                Some((least, _)) if error > 0.5 * least => {
-                    if *least <= COARSE * probe.amax() {
-                        break;
-                    }
-                    if error < *least {
-                        best = Some((error, found));
-                    }
+            let size = probe.amax();
+            let found = Candidate {
+                error: &probe - before,
+                step: increment,
+                probe,
+                found,
+            };
+            let roughness = found.roughness(here);
+            if roughness != [0.0; 3] {
+                rough.push(roughness);
+                if stays(&rough) {
+                    return Err(NotDifferentiable::Kink);
                 }
-                _ => best = Some((error, found)),
+                continue;
+            }
+            let error = found.error.amax();
+            let least = best.as_ref().map(|best| best.error.amax());
+            if least.is_none_or(|least| error < least) {
+                best = Some(found);
+            }
+            let is_rising = |least: f64| error > 0.5 * least && least <= COARSE * size;
+            if error <= AGREE * size || least.is_some_and(is_rising) {
+                break;
             }
         }
-        best.map(|best| best.1).ok_or(beside.reason.into_inner())
+        match best {
+            Some(best) => Ok(best.found),
+            None if rough.is_empty() => Err(beside.reason.into_inner()),
+            None => Err(NotDifferentiable::Kink),
+        }
     }
 
     /// The motions for one increment: on both sides if their derivatives agree, or on one if the
@@ -650,8 +685,6 @@ impl Variation {
     /// The events whose times have other derivatives on another side, for an increment; and by how
     /// much the derivatives of displacements, velocities and memory variables differ.
     fn apart_from(&self, other: &Self, here: &Run, step: f64) -> Option<(Vec<usize>, [f64; 3])> {
-        /// The rounding errors of a motion, in units of its size.
-        const ROUNDING: f64 = 8192.0 * f64::EPSILON;
         let mut groups = self.groups.clone();
         groups.join(&other.groups);
         let probe = |of: &Self| of.derivative(|run| run.probe(here, &groups));
@@ -678,6 +711,18 @@ impl Variation {
         self.groups.before(here.passed(time))
     }
 
+    /// The difference of the derivatives of both sides, by formulas of second order with the motions
+    /// of the central formula; `None` if there is only one side.
+    fn kink(&self, here: &Run, step: f64) -> Option<DVector<f64>> {
+        let [far_down, down, up, far_up] = &self.parts[..] else {
+            return None;
+        };
+        let at = |run: &Run| run.probe(here, &self.groups);
+        let near = at(&down.1)? + at(&up.1)?;
+        let far = at(&far_down.1)? + at(&far_up.1)?;
+        Some((near * 4.0 - far - at(here)? * 6.0) / (2.0 * step))
+    }
+
     /// The derivative of a quantity of the motions.
     pub(super) fn derivative(
         &self,
@@ -690,6 +735,35 @@ impl Variation {
             sum += (of(run)? - &first) * *weight;
         }
         Some(sum)
+    }
+}
+
+/// A derivative, and its difference from that of an increment four times as large.
+struct Candidate {
+    found: Variation,
+    step: f64,
+    probe: DVector<f64>,
+    error: DVector<f64>,
+}
+
+impl Candidate {
+    /// By how much the derivatives of displacements, velocities and memory variables differ between
+    /// the increments, or between both sides; 0 if they are those of a smooth family.
+    fn roughness(&self, here: &Run) -> [f64; 3] {
+        let kink = self.found.kink(here, self.step);
+        let [_, states @ ..] = here.kinds();
+        states.map(|(kind, size)| {
+            let of = |numbers: &DVector<f64>| numbers.rows_range(kind.clone()).amax();
+            let (largest, error) = (of(&self.probe), of(&self.error));
+            let kink = kink.as_ref().map_or(0.0, of);
+            let rounding = ROUNDING * size / self.step;
+            let converges = error <= DIVERGED * largest + rounding;
+            if converges && kink <= APART * largest + rounding + ERRORS * error {
+                0.0
+            } else {
+                kink.max(error)
+            }
+        })
     }
 }
 
