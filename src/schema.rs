@@ -26,7 +26,7 @@
 //! | [`Polynomial`](crate::Polynomial) | `static_coefficient`, `minimum_coefficient`, `minimum_velocity` | yes |
 //! | [`Stribeck`](crate::Stribeck) | `static_coefficient`, `coulomb_coefficient`, `stribeck_velocity`, `exponent`; optional: `viscous_coefficient` (0) | yes |
 //! | [`Rational`](crate::Rational) | `static_coefficient`, `decay`; optional: `offset` (0), `quadratic` (0) | yes |
-//! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; optional: `static_coefficient` (that of the first point) | yes |
+//! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; optional: `static_coefficient` (that of the first point), `piecewise_linear` (false) | yes |
 //! | [`AnyLaw`](crate::AnyLaw) | `coulomb`, `exponential`, `polynomial`, `stribeck`, `rational` or `tabulated`, with that law | yes |
 //! | [`Dwell`](crate::Dwell) | `exponential` or `hyperbolic`, with `law`, `limit`, `time`; or `logarithmic`, with `law`, `rate`, `time` | yes |
 //! | [`Dahl`](crate::Dahl) | `coefficient`, `stiffness` | yes |

@@ -70,6 +70,11 @@ fn laws_there_and_back() {
     );
     there_and_back(&table());
     there_and_back(&table().with_static_coefficient(0.5).unwrap());
+    let lines = Tabulated::piecewise_linear([(0.0, 0.4), (0.5, 0.3)]).unwrap();
+    assert_eq!(
+        there_and_back(&lines),
+        r#"{"static_coefficient":0.4,"points":[[0.0,0.4],[0.5,0.3]],"piecewise_linear":true}"#
+    );
     let text = there_and_back(&AnyLaw::from(Coulomb::new(0.4, 0.25).unwrap()));
     assert_eq!(
         text,

@@ -45,9 +45,10 @@ read! {
     } => Self::new(static_coefficient, coulomb_coefficient, stribeck_velocity, exponent)?
         .with_viscous_coefficient(viscous_coefficient);
     Tabulated {
-        #[serde(default)] static_coefficient: Option<f64>, points: Vec<(f64, f64)>
+        #[serde(default)] static_coefficient: Option<f64>, points: Vec<(f64, f64)>,
+        #[serde(default)] piecewise_linear: bool
     } => {
-        let law = Self::new(points)?;
+        let law = if piecewise_linear { Self::piecewise_linear(points)? } else { Self::new(points)? };
         match static_coefficient {
             Some(static_coefficient) => law.with_static_coefficient(static_coefficient),
             None => Ok(law),

@@ -14,6 +14,7 @@
 // | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move; units in which a matrix is balanced |
 // | `least_norm.rs` | minimum-norm least-squares solutions of linear systems |
 // | `sort.rs` | sorting by a number, compiled once for all types |
+// | `table.rs` | curves through the points of a table: straight lines or monotone cubics |
 // | `trace` | curves in two parameters: Newton's method across a curve (`mod.rs`), pseudo-arclength steps along it (`along.rs`) |
 // | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 
@@ -27,6 +28,7 @@ pub(crate) mod gauss;
 pub(crate) mod least_norm;
 pub(crate) mod scan;
 pub(crate) mod sort;
+pub(crate) mod table;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(feature = "orbits")]

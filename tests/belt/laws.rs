@@ -72,6 +72,8 @@ fn every_law_conforms() {
     conforms("Popp and Stelter", &popp_stelter, 0.5);
     conforms("table", &table, 0.1);
     conforms("table, μ_s raised", &raised, 0.1);
+    let lines = Tabulated::piecewise_linear(measured()).unwrap();
+    conforms("table of lines", &lines, 0.1);
 
     let all: [AnyLaw; 6] = [
         polynomial.into(),
@@ -514,14 +516,34 @@ fn table_converges_to_the_law_it_was_taken_from() {
 }
 
 #[test]
-fn table_is_constant_above_its_last_point() {
-    let law = Tabulated::new(measured()).unwrap();
-    for speed in [1.0, 1.0 + f64::EPSILON, 2.0, 1e300] {
-        assert_eq!((law.kinetic(speed), law.slope(speed)), (0.26, 0.0));
+fn table_of_lines_has_the_values_and_slopes_of_its_chords() {
+    let law = Tabulated::piecewise_linear(measured()).unwrap();
+    for (piece, pair) in measured().windows(2).enumerate() {
+        let ((s0, mu0), (s1, mu1)) = (pair[0], pair[1]);
+        for part in [0.0, 0.25, 0.5, 0.75] {
+            let s = s0 + part * (s1 - s0);
+            assert_abs_diff_eq!(law.kinetic(s), mu0 + part * (mu1 - mu0), epsilon = 1e-16);
+            assert_eq!(law.slope(s), (mu1 - mu0) / (s1 - s0));
+            assert_eq!((law.curvature(s), law.derivative(3, s)), (0.0, 0.0));
+        }
+        // From below too.
+        assert_abs_diff_eq!(law.kinetic_on(piece, s1), mu1, epsilon = 1e-16);
     }
-    assert!(law.kinetic(f64::NAN).is_nan());
-    assert_eq!(law.points(), measured());
-    assert_eq!(law.clone().with_static_coefficient(0.4).unwrap(), law);
+    assert!(law.is_piecewise_linear());
+    assert!(!Tabulated::new(measured()).unwrap().is_piecewise_linear());
+}
+
+#[test]
+fn table_is_constant_above_its_last_point() {
+    for law in [Tabulated::new, Tabulated::piecewise_linear] {
+        let law = law(measured()).unwrap();
+        for speed in [1.0, 1.0 + f64::EPSILON, 2.0, 1e300] {
+            assert_eq!((law.kinetic(speed), law.slope(speed)), (0.26, 0.0));
+        }
+        assert!(law.kinetic(f64::NAN).is_nan());
+        assert_eq!(law.points(), measured());
+        assert_eq!(law.clone().with_static_coefficient(0.4).unwrap(), law);
+    }
 }
 
 /// However fast and however far, the force and the acceleration are numbers, or infinite where they

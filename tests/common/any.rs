@@ -203,14 +203,17 @@ impl Random {
             5 | 6 => {
                 let middle = (0.4 * width, least + self.uniform(0.2, 0.7) * (top - least));
                 let end = (3.0 * width, least + self.uniform(0.0, 0.5) * (top - least));
-                let law = Tabulated::new([(0.0, top), middle, (width, least), end]).unwrap();
-                // Static friction above the kinetic one in every second.
-                let raised = if kind == 5 {
-                    1.0
+                let points = [(0.0, top), middle, (width, least), end];
+                // Straight lines, and static friction above the kinetic one, in every second.
+                let (law, raised) = if kind == 5 {
+                    (Tabulated::new(points), 1.0)
                 } else {
-                    self.uniform(1.0, 1.5)
+                    let lines = Tabulated::piecewise_linear(points);
+                    (lines, self.uniform(1.0, 1.5))
                 };
-                law.with_static_coefficient(raised * top).unwrap().into()
+                law.and_then(|law| law.with_static_coefficient(raised * top))
+                    .unwrap()
+                    .into()
             }
             7 => {
                 return Any::Leine(Leine {

@@ -182,6 +182,10 @@ fn laws() -> Vec<Case> {
             |x| Tabulated::new([(0.0, 0.4), (0.1, 0.3), (x, 1e300)]);
         "Tabulated" "point 1, counted from 0: coefficient" BELOW,
             |x| Tabulated::new([(0.0, 0.4), (1.0, x)]);
+        "Tabulated" "point 1, counted from 0: coefficient" BELOW,
+            |x| Tabulated::piecewise_linear([(0.0, 0.4), (1.0, x)]);
+        "Tabulated" "point 2, counted from 0: speed" CLOSE,
+            |x| Tabulated::piecewise_linear([(0.0, 0.4), (0.1, 0.3), (x, 1e300)]);
         "Tabulated" "static_coefficient" &[0.3, 0.39],
             |x| Tabulated::new([(0.0, 0.4), (1.0, 0.3)])?.with_static_coefficient(x);
         "Scaled" "velocity_unit" NOT_ABOVE, |x| Scaled::new(law(), x);

@@ -11,7 +11,7 @@ use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Direction, Drive, Error, EventKind, FrictionLaw, Mode, Motion,
-    Polynomial, Scalar, Slip, Structure, structure,
+    Polynomial, Scalar, Slip, Structure, Tabulated, structure,
 };
 
 use crate::common::property::for_all;
@@ -438,4 +438,31 @@ fn a_load_that_springs_lift_ends_the_motion() -> Result<(), Error> {
     // Up to there it is a motion like any other.
     assert!(structure.simulate(start(), 0.5).is_ok());
     Ok(())
+}
+
+/// A mass of 1 under 25 sin(πt/2), with friction v + 5 + 10 exp(−2v) from a table of 50 points up to
+/// v = 12 (example `Friction` of the Modelica Standard Library). With straight lines the motion is
+/// exponentials and sines on each piece, joined with 30 digits.
+#[test]
+fn a_table_of_lines_moves_as_its_closed_form() {
+    let points = (0..50).map(|i| 12.0 * f64::from(i) / 49.0);
+    let points: Vec<_> = points
+        .map(|v| (v, v + 5.0 + 10.0 * (-2.0 * v).exp()))
+        .collect();
+    let turn = |law: Tabulated| {
+        let mass = Structure::new(&[1.0])
+            .and_then(|s| s.with_force(0, Drive::harmonic(25.0, PI / 2.0, -PI / 2.0)?))
+            .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
+            .unwrap();
+        let motion = mass.simulate(structure::State::at_rest(1), 3.0).unwrap();
+        let end = &motion.events()[1];
+        (end.time, end.state.displacements[0])
+    };
+    let lines = turn(Tabulated::piecewise_linear(points.iter().copied()).unwrap());
+    // 100 steps, each with rounding errors of the size of the distance.
+    assert_abs_diff_eq!(lines.0, 2.442232522576342681681, epsilon = 1e-14);
+    assert_abs_diff_eq!(lines.1, 13.417810591487087236250854, epsilon = 1e-13);
+    // Cubics follow the curve below the lines, as the slope of friction rises.
+    let cubics = turn(Tabulated::new(points).unwrap());
+    assert!((cubics.1 - 13.450723).abs() < 1e-6, "{cubics:?}");
 }
