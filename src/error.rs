@@ -62,7 +62,8 @@ pub enum Error {
         allowed: &'static str,
     },
 
-    /// A point of a table ([`Tabulated::new`](crate::Tabulated::new)) or of a profile
+    /// A point of a table ([`Tabulated::new`](crate::Tabulated::new),
+    /// [`TabulatedForce::new`](crate::TabulatedForce::new)) or of a profile
     /// ([`Drive::profile`](crate::Drive::profile)) is not allowed.
     #[error(
         "{of}: point {index}, counted from 0: {name} = {} is not allowed{}",
@@ -70,11 +71,12 @@ pub enum Error {
         instead(*value, allowed)
     )]
     BadPoint {
-        /// The type that refused the point: `Tabulated` or `Drive`.
+        /// The type that refused the point: `Tabulated`, `TabulatedForce` or `Drive`.
         of: &'static str,
         /// Number of the point, counted from 0.
         index: usize,
-        /// The number at fault: `speed` or `coefficient` of a table, `time` or `value` of a drive.
+        /// The number at fault: `speed` or `coefficient` of a friction table, `position` or `force`
+        /// of a force table, `time` or `value` of a drive.
         name: &'static str,
         /// The number that was given.
         value: f64,

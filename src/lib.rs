@@ -69,6 +69,7 @@
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
+//! | nonlinear springs and dampers, pendulums, backlash | a [`ForceElement`] with [`PolynomialSpring`], [`Pendulum`], [`Backlash`], [`SnapThrough`], [`VanDerPol`], [`TabulatedForce`], or your own [`ForceLaw`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
 //! | a law that depends on the direction | in slip: a [`ContactLaw`] receives the direction, a [`FrictionLaw`] is odd in the relative velocity; in stick: not available, the limit μ_s is the same in both directions |
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
@@ -243,7 +244,10 @@ pub use belt::{Equilibrium, Flow, Jacobian, MassOnBelt, Stability, Step};
 pub use drive::Drive;
 pub use error::{Error, Reached};
 #[cfg(feature = "structures")]
-pub use force::{ForceField, ForceLaw};
+pub use force::{
+    Backlash, ForceField, ForceLaw, Pendulum, PolynomialSpring, SnapThrough, TabulatedForce,
+    VanDerPol,
+};
 pub use friction::memory::{
     AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip, Variables,
 };

@@ -32,6 +32,12 @@
 //! | [`Dahl`](crate::Dahl) | `coefficient`, `stiffness` | yes |
 //! | [`LuGre`](crate::LuGre) | `law`, `stiffness`; optional: `damping` (0), `viscous` (0) | yes |
 //! | [`AnyContactLaw`](crate::AnyContactLaw) | `dry`, `dwell`, `dahl` or `lugre`, with that law | yes |
+//! | [`PolynomialSpring`](crate::PolynomialSpring) | `coefficients`: a list | yes |
+//! | [`Pendulum`](crate::Pendulum) | `moment`, `length` | yes |
+//! | [`Backlash`](crate::Backlash) | `stiffness`, `gap` | yes |
+//! | [`SnapThrough`](crate::SnapThrough) | `stiffness`, `free_length`, `span` | yes |
+//! | [`VanDerPol`](crate::VanDerPol) | `negative_damping`, `nonlinear_damping` | yes |
+//! | [`TabulatedForce`](crate::TabulatedForce) | `points`: a list of [position, force]; optional: `piecewise_linear` (false) | yes |
 //! | [`Scaled`](crate::Scaled) | `law`, `velocity_unit` (m/s) | yes |
 //! | [`Physical`](crate::Physical) | `mass`, `stiffness`, `damping`, `normal_force`, `belt_velocity`, in SI units | yes |
 //! | [`Scaling`](crate::Scaling) | `physical`; optional: `length` (`normal_force`/`stiffness`) | yes |
@@ -41,7 +47,8 @@
 //! | [`Drive`](crate::Drive) | all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value] | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`; `law`: a map from the name of the law to the law, see below; `load`: a drive; optional: the fields of the next row | yes |
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
-//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts` (none) | yes |
+//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements` (none) | yes |
+//! | [`ForceElement`](crate::ForceElement) | `direction`: a list of [coordinate, coefficient]; `law`: a map from the name of the law to the law, see below; optional: `factor` (1): a drive | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`; with the direction: `release`, `crossing` | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
@@ -74,8 +81,10 @@
 //!
 //! The law of a contact is written under its name: `coulomb`, `exponential`, `polynomial`,
 //! `rational`, `stribeck`, `tabulated`, `dwell`, `dahl` or `lugre`, or `dry` for an
-//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. Your own law has no name, so writing its
-//! contact is an error. Write the parameters of the law separately, and add the contact to the
+//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. The law of a force element is written
+//! under its name: `polynomial_spring`, `pendulum`, `backlash`, `snap_through`, `van_der_pol` or
+//! `tabulated_force`. Your own law has no name, so writing its contact or its force element is an
+//! error. Write the parameters of the law separately, and add the contact or the element to the
 //! structure after reading.
 //!
 //! ```

@@ -6,10 +6,11 @@ use stick_slip::bifurcation::{self, Criticality};
 use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction, Drive, Dwell,
-    Event, EventKind, Exponential, FrictionLaw, Iwan4, LimitCycle, LuGre, MassOnBelt, Mode,
-    Physical, Polynomial, Rational, Scalar, Scaled, Scaling, Stability, State, Stribeck, Structure,
-    Tabulated, limit_cycle, structure,
+    AnyContactLaw, AnyLaw, Backlash, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction, Drive,
+    Dwell, Error, Event, EventKind, Exponential, ForceElement, ForceLaw, FrictionLaw, Iwan4,
+    LimitCycle, LuGre, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring,
+    Rational, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Stribeck, Structure,
+    Tabulated, TabulatedForce, VanDerPol, limit_cycle, structure,
 };
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -156,6 +157,119 @@ fn reading_contact_laws_checks_what_constructors_check() {
     refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"viscous":-1"#), "viscous");
     refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"sigma2":1"#), "unknown field");
     refused::<AnyContactLaw<Coulomb>>(r#"{"lu_gre":{}}"#, "unknown variant");
+}
+
+/// A force law of each kind of the crate, with its text in an element.
+fn elements() -> Vec<(ForceElement, &'static str)> {
+    fn of<L: ForceLaw + Send + Sync + 'static>(law: Result<L, Error>) -> ForceElement {
+        ForceElement::new(0, law.unwrap()).unwrap()
+    }
+    let points = [(-1.0, -2.5), (0.0, 0.0), (1.5, 1.0)];
+    vec![
+        (
+            of(PolynomialSpring::new(&[1.0, 0.0, 0.7])),
+            r#""polynomial_spring":{"coefficients":[1.0,0.0,0.7]}"#,
+        ),
+        (
+            of(Pendulum::new(0.1 + 0.2, 1.0)),
+            r#""pendulum":{"moment":0.30000000000000004,"length":1.0}"#,
+        ),
+        (
+            of(Backlash::new(3.0, 0.5)),
+            r#""backlash":{"stiffness":3.0,"gap":0.5}"#,
+        ),
+        (
+            of(SnapThrough::new(2.0, 1.25, 1.0)),
+            r#""snap_through":{"stiffness":2.0,"free_length":1.25,"span":1.0}"#,
+        ),
+        (
+            of(VanDerPol::new(0.2, 0.5)),
+            r#""van_der_pol":{"negative_damping":0.2,"nonlinear_damping":0.5}"#,
+        ),
+        (
+            of(TabulatedForce::new(&points)),
+            r#""tabulated_force":{"points":[[-1.0,-2.5],[0.0,0.0],[1.5,1.0]]}"#,
+        ),
+        (
+            of(TabulatedForce::piecewise_linear(&points)),
+            r#""tabulated_force":{"points":[[-1.0,-2.5],[0.0,0.0],[1.5,1.0]],"#,
+        ),
+    ]
+}
+
+#[test]
+fn force_elements_there_and_back() {
+    let mass = || Structure::new(&[1.0]).unwrap();
+    for (element, expected) in elements() {
+        let text = there_and_back(&element);
+        assert!(text.contains(expected), "{text}");
+        let structure = mass().with_element(element).unwrap();
+        let text = there_and_back(&structure);
+        assert!(
+            text.contains(r#""elements":[{"direction":[[0,1.0]],"law":{""#),
+            "{text}"
+        );
+        let read: Structure = serde_json::from_str(&text).unwrap();
+        let start = structure::State::new(&[0.3], &[1.0]);
+        let [one, other] = [structure, read].map(|s| s.simulate(start.clone(), 5.0).unwrap());
+        assert_eq!(one.last(), other.last());
+    }
+    // Without elements nothing is written of them.
+    let text = there_and_back(&mass());
+    assert!(!text.contains("elements"), "{text}");
+    // A direction, and a factor.
+    let spring = PolynomialSpring::new(&[1.0]).unwrap();
+    let oblique = ForceElement::along(&[(2, 0.6), (0, -0.8)], spring)
+        .and_then(|element| element.with_factor(Drive::harmonic(0.5, 2.0, 0.0)?))
+        .unwrap();
+    there_and_back(&oblique);
+    let read: ForceElement = serde_json::from_str(
+        r#"{"direction":[[0,1]],"law":{"polynomial_spring":{"coefficients":[1]}}}"#,
+    )
+    .unwrap();
+    let spring = PolynomialSpring::new(&[1.0]).unwrap();
+    assert_eq!(read, ForceElement::new(0, spring).unwrap());
+}
+
+#[test]
+fn reading_force_elements_checks_what_constructors_check() {
+    let element = |law: &str| format!(r#"{{"direction":[[0,1]],"law":{{{law}}}}}"#);
+    refuse! {
+        ForceElement: element(r#""backlash":{"stiffness":1,"gap":-1}"#), "gap = -1 is not allowed";
+        ForceElement: element(r#""backlash":{"stiffness":1}"#), "missing field `gap`";
+        ForceElement: element(r#""pendulum":{"moment":1,"length":0}"#), "length = 0";
+        ForceElement: element(r#""pendulum":{"moment":1,"length":1,"g":9}"#), "unknown field";
+        ForceElement: element(r#""polynomial_spring":{"coefficients":[]}"#), "coefficients = 0";
+        ForceElement: element(r#""snap_through":{"stiffness":1,"free_length":1,"span":-1}"#),
+            "span = -1";
+        ForceElement: element(r#""tabulated_force":{"points":[[0,0],[0,1]]}"#), "point 1";
+        ForceElement: element(r#""toda":{"stiffness":1}"#), "unknown variant";
+        ForceElement: r#"{"direction":[],"law":{"pendulum":{"moment":1,"length":1}}}"#, "direction";
+        Structure: r#"{"masses":[1],"elements":[
+            {"direction":[[1,1]],"law":{"pendulum":{"moment":1,"length":1}}}]}"#,
+            "force element 0";
+    }
+}
+
+#[test]
+fn force_laws_of_a_user_are_not_written() {
+    struct Toda;
+    impl ForceLaw for Toda {
+        fn force<S: Scalar>(&self, position: S, _: S, _: usize) -> S {
+            position.exp() - 1.0
+        }
+    }
+    let structure = Structure::new(&[1.0])
+        .and_then(|s| s.with_element(ForceElement::new(0, Toda)?))
+        .unwrap();
+    let message = serde_json::to_string(&structure).unwrap_err().to_string();
+    for part in [
+        "force element",
+        "user's own law",
+        "add the contact or the element",
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
 }
 
 /// Structures whose contacts remember, with the events of their motions.

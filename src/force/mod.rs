@@ -3,13 +3,33 @@
 // | file | what is in it |
 // |---|---|
 // | `mod.rs` | `ForceLaw` of one direction, `ForceField` of several: the traits of every law |
+// | `polynomial_spring.rs`, `pendulum.rs`, `backlash.rs`, `snap_through.rs`, `van_der_pol.rs` | the laws with a formula |
+// | `tabulated_force.rs` | measured points |
+// | `named.rs`, `read.rs` | any of these laws; how they are read (feature `serde`) |
 // | `object.rs` | a law as a trait object, for the engine |
 // | `check.rs` | checks of a law before it is used |
 
+mod backlash;
 mod check;
+mod named;
 pub(crate) mod object;
+mod pendulum;
+mod polynomial_spring;
+#[cfg(feature = "serde")]
+mod read;
+mod snap_through;
+mod tabulated_force;
+mod van_der_pol;
+
+pub use backlash::Backlash;
+pub use pendulum::Pendulum;
+pub use polynomial_spring::PolynomialSpring;
+pub use snap_through::SnapThrough;
+pub use tabulated_force::TabulatedForce;
+pub use van_der_pol::VanDerPol;
 
 pub(crate) use check::validate;
+pub(crate) use named::NamedForce;
 
 use crate::friction::memory::Variables;
 use crate::scalar::Scalar;

@@ -1,6 +1,8 @@
 //! A force law as a trait object, for the engine of structures: the engine and the searches are
 //! compiled once, for any law.
 
+use std::any::Any;
+
 use super::{ForceField, ForceLaw};
 use crate::friction::memory::Variables;
 use crate::scalar::Scalar;
@@ -42,6 +44,8 @@ pub(crate) trait ForceObject {
     fn series(&self, place: Place<'_, PowerSeries>) -> Vec<PowerSeries>;
     /// The series of the derivative of each F_i by an input.
     fn derivative(&self, place: Place<'_, PowerSeries>, by: usize) -> Vec<PowerSeries>;
+    /// The law with its type.
+    fn any(&self) -> &dyn Any;
 }
 
 /// A law of one direction, or a field, as what both have in common.
@@ -102,7 +106,7 @@ impl<F: ForceField> Forces for SeveralDirections<F> {
     }
 }
 
-impl<L: Forces> ForceObject for L {
+impl<L: Forces + 'static> ForceObject for L {
     fn count(&self) -> usize {
         L::Coordinates::<f64>::COUNT
     }
@@ -155,6 +159,10 @@ impl<L: Forces> ForceObject for L {
 
     fn derivative(&self, place: Place<'_, PowerSeries>, by: usize) -> Vec<PowerSeries> {
         slopes(self, place, by)
+    }
+
+    fn any(&self) -> &dyn Any {
+        self
     }
 }
 

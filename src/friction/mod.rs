@@ -33,7 +33,7 @@ mod piece;
 mod polynomial;
 mod rational;
 #[cfg(feature = "serde")]
-mod read;
+pub(crate) mod read;
 mod scaled;
 pub(crate) mod slip;
 mod stribeck;

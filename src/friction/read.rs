@@ -8,7 +8,7 @@ use super::FrictionLaw;
 use crate::error::Error;
 
 /// Defines a struct with the parameters of the law of the same name, and the conversion into the
-/// law.
+/// law. For force laws too.
 macro_rules! read {
     ($($name:ident { $($(#[$attribute:meta])? $field:ident: $type:ty),* } => $make:expr;)*) => {$(
         #[derive(Deserialize)]
@@ -25,6 +25,7 @@ macro_rules! read {
         }
     )*};
 }
+pub(crate) use read;
 
 read! {
     Coulomb { static_coefficient: f64, kinetic_coefficient: f64 }
@@ -48,7 +49,8 @@ read! {
         #[serde(default)] static_coefficient: Option<f64>, points: Vec<(f64, f64)>,
         #[serde(default)] piecewise_linear: bool
     } => {
-        let law = if piecewise_linear { Self::piecewise_linear(points)? } else { Self::new(points)? };
+        let make = if piecewise_linear { Self::piecewise_linear } else { Self::new };
+        let law = make(points)?;
         match static_coefficient {
             Some(static_coefficient) => law.with_static_coefficient(static_coefficient),
             None => Ok(law),

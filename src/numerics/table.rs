@@ -119,10 +119,10 @@ pub(crate) fn checked_pieces(
     Error::check(of, "points", count as f64, count >= 2, allowed)?;
     let mut last = f64::NEG_INFINITY;
     for (index, &point) in points.iter().enumerate() {
-        let allowed = "each point at a finite number greater than the one before";
+        let allowed = "greater than at the point before";
         check(index, point)
             .and_then(|()| Error::check(of, x, point.0, point.0 > last, allowed))
-            .and_then(|_| Error::check(of, y, point.1, true, "the curve needs it"))
+            .and_then(|_| Error::check(of, y, point.1, true, "of any size"))
             .map_err(|error| error.at_point(index))?;
         last = point.0;
     }

@@ -71,7 +71,9 @@ use crate::numerics::sort::sort_by;
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
     serde(try_from = "super::read::ContactText<super::read::LawText>"),
-    serde(into = "super::read::ContactText<super::read::Written>")
+    serde(
+        into = "super::read::ContactText<super::read::Written<crate::friction::memory::NamedLaw>>"
+    )
 )]
 pub struct Contact {
     /// The coordinate given first, by which errors and `coordinate` name the contact.

@@ -6,7 +6,7 @@ use super::engine::element::ElementData;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
 use crate::force::object::{ForceObject, OneDirection, SeveralDirections};
-use crate::force::{ForceField, ForceLaw, validate};
+use crate::force::{ForceField, ForceLaw, NamedForce, validate};
 
 /// A force that is not linear in displacements and velocities: a nonlinear spring or damper between
 /// coordinates, a pendulum, backlash, or a force of several coordinates.
@@ -52,6 +52,12 @@ use crate::force::{ForceField, ForceLaw, validate};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Clone)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::read::ElementText<crate::force::NamedForce>"),
+    serde(into = "super::read::ElementText<super::read::Written<crate::force::NamedForce>>")
+)]
 pub struct ForceElement {
     /// a_i, each by ascending coordinate; no entry is 0.
     directions: Vec<Vec<(usize, f64)>>,
@@ -117,7 +123,8 @@ impl ForceElement {
         Self::with(directions, Arc::new(SeveralDirections(field)))
     }
 
-    fn with(
+    /// Creates an element with a law without its type.
+    pub(super) fn with(
         directions: &[&[(usize, f64)]],
         law: Arc<dyn ForceObject + Send + Sync>,
     ) -> Result<Self, Error> {
@@ -164,6 +171,11 @@ impl ForceElement {
         &self.factor
     }
 
+    /// Its law, if it is one of the crate.
+    pub(super) fn named(&self) -> Option<NamedForce> {
+        NamedForce::of(&*self.law)
+    }
+
     /// The element as the engine needs it.
     pub(super) fn data(&self) -> ElementData<'_> {
         ElementData::new(&self.directions, &*self.law, Arc::clone(&self.factor))
@@ -183,20 +195,25 @@ impl ForceElement {
     }
 }
 
-/// Compares the data of two elements. A law is equal only to itself, in a clone of its element.
+/// Compares the data of two elements. Laws of this crate are equal if their types and numbers are
+/// equal. A law of your own is equal only to itself, in a clone of its element.
 impl PartialEq for ForceElement {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.law, &other.law)
-            && self.directions == other.directions
-            && self.factor == other.factor
+        let is_same_law = match [self, other].map(Self::named) {
+            [Some(one), Some(other)] => one == other,
+            _ => Arc::ptr_eq(&self.law, &other.law),
+        };
+        is_same_law && self.directions == other.directions && self.factor == other.factor
     }
 }
 
 impl fmt::Debug for ForceElement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let law: &dyn ForceObject = &*self.law;
         f.debug_struct("ForceElement")
             .field("directions", &self.directions)
+            .field("law", &law)
             .field("factor", &self.factor)
-            .finish_non_exhaustive()
+            .finish()
     }
 }

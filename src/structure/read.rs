@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::matrices::check_count;
 use crate::drive::Drive;
 use crate::error::Error;
+use crate::force::NamedForce;
 use crate::friction::memory::{AnyContactLaw, Dahl, Dwell, LuGre, NamedLaw};
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
 use crate::numerics::sort::sort_by;
@@ -37,18 +38,18 @@ fn at_rest() -> Drive {
 }
 
 /// A law in its written form, which only the crate's own laws have.
-pub(super) struct Written(Option<NamedLaw>);
+pub(super) struct Written<L>(Option<L>);
 
-impl Serialize for Written {
+impl<L: Serialize> Serialize for Written<L> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match &self.0 {
-            Some(NamedLaw::Dry(law)) => law.serialize(serializer),
-            Some(NamedLaw::Contact(law)) => law.serialize(serializer),
-            None => Err(serde::ser::Error::custom(
-                "a contact has a user's own law, which has no name to be written by; write the \
-                 law's parameters beside the structure, and add the contact after reading",
-            )),
-        }
+        let law = self.0.as_ref().ok_or_else(|| {
+            serde::ser::Error::custom(
+                "a contact or a force element has a user's own law, which has no name to be \
+                 written by; write the law's parameters beside the structure, and add the contact \
+                 or the element after reading",
+            )
+        })?;
+        law.serialize(serializer)
     }
 }
 
@@ -87,7 +88,7 @@ impl LawText {
     }
 }
 
-impl From<super::Contact> for ContactText<Written> {
+impl From<super::Contact> for ContactText<Written<NamedLaw>> {
     fn from(contact: super::Contact) -> Self {
         let direction = contact.direction();
         let is_plain = direction == [(contact.coordinate(), 1.0)];
@@ -131,6 +132,38 @@ impl TryFrom<ContactText<LawText>> for super::Contact {
     }
 }
 
+/// A force element as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ElementText<L> {
+    direction: Vec<(usize, f64)>,
+    law: L,
+    #[serde(default = "unchanged")]
+    factor: Drive,
+}
+
+fn unchanged() -> Drive {
+    Drive::constant(1.0)
+}
+
+impl From<super::ForceElement> for ElementText<Written<NamedForce>> {
+    fn from(element: super::ForceElement) -> Self {
+        // Only a user's field has several directions.
+        Self {
+            direction: element.directions().concat(),
+            law: Written(element.named()),
+            factor: element.factor().clone(),
+        }
+    }
+}
+
+impl TryFrom<ElementText<NamedForce>> for super::ForceElement {
+    type Error = Error;
+    fn try_from(read: ElementText<NamedForce>) -> Result<Self, Error> {
+        Self::with(&[&read.direction], read.law.object())?.with_factor(read.factor)
+    }
+}
+
 /// A structure as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -148,6 +181,8 @@ pub(super) struct StructureText {
     forces: Vec<Drive>,
     #[serde(default)]
     contacts: Vec<super::Contact>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    elements: Vec<super::ForceElement>,
 }
 
 impl From<super::Structure> for StructureText {
@@ -166,6 +201,7 @@ impl From<super::Structure> for StructureText {
             damping: rows(structure.damping()),
             forces: structure.forces().to_vec(),
             contacts: structure.contacts().to_vec(),
+            elements: structure.elements().to_vec(),
         }
     }
 }
@@ -209,6 +245,9 @@ impl TryFrom<StructureText> for super::Structure {
         }
         for contact in read.contacts {
             structure = structure.with_contact(contact)?;
+        }
+        for element in read.elements {
+            structure = structure.with_element(element)?;
         }
         Ok(structure)
     }

@@ -4,6 +4,7 @@
 #![allow(missing_docs, clippy::len_without_is_empty)]
 
 pub mod any;
+pub mod any_force;
 pub mod bristles;
 pub mod forces;
 pub mod naive;

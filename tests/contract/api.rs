@@ -12,10 +12,11 @@ use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::orbit::{BifurcationKind, LyapunovExponent, Orbit, Period};
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error, Event,
-    EventKind, Exponential, Flow, FrictionLaw, Integrator, Iwan4, LimitCycle, MassOnBelt, Mode,
-    Physical, Polynomial, Rational, Reached, Scalar, Scaled, Scaling, Stability, State, Step,
-    Stribeck, Tabulated, Trajectory, structure,
+    AnyLaw, Backlash, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error,
+    Event, EventKind, Exponential, Flow, ForceElement, FrictionLaw, Integrator, Iwan4, LimitCycle,
+    MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring, Rational, Reached, Scalar,
+    Scaled, Scaling, SnapThrough, Stability, State, Step, Stribeck, Tabulated, TabulatedForce,
+    Trajectory, VanDerPol, structure,
 };
 
 #[test]
@@ -36,6 +37,9 @@ fn types_have_the_common_traits() {
     value::<Reached>();
     value::<AnyLaw>();
     value::<Tabulated>();
+    value::<ForceElement>();
+    value::<PolynomialSpring>();
+    value::<TabulatedForce>();
     value::<MassOnBelt<AnyLaw>>();
     value::<Scaled<AnyLaw>>();
 
@@ -66,6 +70,10 @@ fn types_have_the_common_traits() {
     small::<Backbone>();
     small::<SymmetricResponse>();
     small::<Iwan4>();
+    small::<Pendulum>();
+    small::<Backlash>();
+    small::<SnapThrough>();
+    small::<VanDerPol>();
 
     name::<Direction>();
     name::<Mode>();

@@ -9,10 +9,11 @@ use stick_slip::analysis::{PureSlip, averaging, design, lugre};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Period};
 use stick_slip::{
-    Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential, ForceElement,
-    ForceLaw, FrictionLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Physical, Polynomial,
-    Rational, Scalar, Scaled, Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation,
-    check_law, structure,
+    Backlash, Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
+    ForceElement, ForceLaw, FrictionLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Pendulum,
+    Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Slip, SnapThrough,
+    State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation, check_law,
+    structure,
 };
 use stick_slip_tests_common::root;
 
@@ -188,6 +189,28 @@ fn laws() -> Vec<Case> {
             |x| Tabulated::piecewise_linear([(0.0, 0.4), (0.1, 0.3), (x, 1e300)]);
         "Tabulated" "static_coefficient" &[0.3, 0.39],
             |x| Tabulated::new([(0.0, 0.4), (1.0, 0.3)])?.with_static_coefficient(x);
+        "PolynomialSpring" "coefficient" &ANY, |x| PolynomialSpring::new(&[1.0, x]);
+        "Pendulum" "moment" &ANY, |x| Pendulum::new(x, 1.0);
+        "Pendulum" "length" NOT_ABOVE, |x| Pendulum::new(1.0, x);
+        // So short or long that a slope or an energy overflows.
+        "Pendulum" "length" &[5e-324, 1e-320, 1e301], |x| Pendulum::new(1e8, x);
+        "Backlash" "stiffness" &ANY, |x| Backlash::new(x, 1.0);
+        "Backlash" "gap" BELOW, |x| Backlash::new(1.0, x);
+        "SnapThrough" "stiffness" &ANY, |x| SnapThrough::new(x, 1.0, 1.0);
+        "SnapThrough" "free_length" BELOW, |x| SnapThrough::new(1.0, x, 1.0);
+        "SnapThrough" "span" NOT_ABOVE, |x| SnapThrough::new(1.0, 1.0, x);
+        // So small or large that a square or a slope overflows or underflows.
+        "SnapThrough" "span" &[1e-160, 1e-153, 1e160], |x| SnapThrough::new(1e160, 1.0, x);
+        "VanDerPol" "negative_damping" &ANY, |x| VanDerPol::new(x, 1.0);
+        "VanDerPol" "nonlinear_damping" &ANY, |x| VanDerPol::new(1.0, x);
+        "TabulatedForce" "point 0, counted from 0: position" &ANY,
+            |x| TabulatedForce::new(&[(x, 0.0), (1.0, 1.0)]);
+        "TabulatedForce" "point 1, counted from 0: position" &[-1.0, 0.0],
+            |x| TabulatedForce::new(&[(0.0, 0.0), (x, 1.0)]);
+        "TabulatedForce" "point 2, counted from 0: position" CLOSE,
+            |x| TabulatedForce::piecewise_linear(&[(0.0, 0.4), (0.1, 0.3), (x, 1e300)]);
+        "TabulatedForce" "point 1, counted from 0: force" &ANY,
+            |x| TabulatedForce::new(&[(0.0, 0.0), (1.0, x)]);
         "Scaled" "velocity_unit" NOT_ABOVE, |x| Scaled::new(law(), x);
         "Iwan4" "slip_force" NOT_ABOVE, |x| Iwan4::new(x, 2.0, -0.1, 0.1);
         "Iwan4" "stiffness" NOT_ABOVE, |x| Iwan4::new(3.0, x, -0.1, 0.1);
@@ -392,6 +415,10 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let no_points = orbit::Search::new().with_max_points(0);
     let no_table = Tabulated::new([]);
     let one_point = Tabulated::new([(0.0, 0.4)]);
+    let no_spring = PolynomialSpring::new(&[]);
+    let no_force = TabulatedForce::new(&[]);
+    let one_force = TabulatedForce::piecewise_linear(&[(0.0, 0.4)]);
+    let (spring, forces) = ("PolynomialSpring", "TabulatedForce");
     let no_point = Drive::profile(&[]);
     let no_mass = Structure::new(&[]);
     let no_matrix = Structure::with_mass_matrix(DMatrix::zeros(0, 0));
@@ -408,6 +435,9 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
         ("Stribeck", "exponent", MOST, too_high.unwrap_err()),
         ("Tabulated", "points", 0.0, no_table.unwrap_err()),
         ("Tabulated", "points", 1.0, one_point.unwrap_err()),
+        (spring, "coefficients", 0.0, no_spring.unwrap_err()),
+        (forces, "points", 0.0, no_force.unwrap_err()),
+        (forces, "points", 1.0, one_force.unwrap_err()),
         ("Drive", "points", 0.0, no_point.unwrap_err()),
         ("Structure", "masses", 0.0, no_mass.unwrap_err()),
         ("Structure", "masses", 0.0, no_matrix.unwrap_err()),

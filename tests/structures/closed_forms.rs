@@ -440,9 +440,9 @@ fn a_load_that_springs_lift_ends_the_motion() -> Result<(), Error> {
     Ok(())
 }
 
-/// A mass of 1 under 25 sin(πt/2), with friction v + 5 + 10 exp(−2v) from a table of 50 points up to
-/// v = 12 (example `Friction` of the Modelica Standard Library). With straight lines the motion is
-/// exponentials and sines on each piece, joined with 30 digits.
+/// A mass of 1 under 25 sin(πt/2), with friction v + 5 + 10 exp(−2v) from a table of 50 points up
+/// to v = 12 (example `Friction` of the Modelica Standard Library). With straight lines the motion
+/// is exponentials and sines on each piece, joined with 30 digits.
 #[test]
 fn a_table_of_lines_moves_as_its_closed_form() {
     let points = (0..50).map(|i| 12.0 * f64::from(i) / 49.0);

@@ -18,6 +18,7 @@ mod edges;
 mod elastic;
 mod elastic_identities;
 mod energy;
+mod force_laws;
 mod forces;
 mod formulas;
 mod identities;

@@ -112,6 +112,7 @@ impl<S: Copy, const Z: usize> Variables<S> for [S; Z] {
 /// A law of the crate, for serialization and comparison of contacts.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(untagged))]
 pub enum NamedLaw {
     /// A law without memory variables.
     Dry(AnyLaw),
