@@ -309,8 +309,8 @@ pub enum Error {
         row: usize,
     },
 
-    /// The direction of a contact is not valid: each coordinate must occur only once, and the
-    /// coefficients must be finite and not all 0.
+    /// The direction of a contact or of a force element is not valid: each coordinate must occur
+    /// only once, and the coefficients must be finite and not all 0.
     #[error(
         "the direction {direction:?} of a contact or force element is not allowed: give at least \
          one pair (coordinate, b) with finite b ≠ 0, and each coordinate only once"

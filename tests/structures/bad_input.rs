@@ -151,7 +151,7 @@ fn directions_have_different_coordinates_and_numbers_that_are_not_0() {
         assert_eq!(format!("{said:?}"), format!("{direction:?}"));
         message(
             Contact::along(direction, law(), 1.0),
-            &["contact", "direction"],
+            &["the direction", "at least one pair"],
         );
     }
     let Err(Error::BadDirection { direction }) = Contact::between(3, 3, law(), 1.0) else {
