@@ -9,7 +9,7 @@ pub(crate) fn validate(law: &dyn ForceObject) -> Result<(), Error> {
     let mut last = f64::NEG_INFINITY;
     for (index, &value) in breakpoints.iter().enumerate() {
         let is_allowed = value.is_finite() && value > last;
-        if !(is_allowed && is_continuous(law, index, value)) {
+        if !(is_allowed && is_continuous(law, &breakpoints, index)) {
             return Err(Error::BadBreakpoints { index, value });
         }
         last = value;
@@ -30,22 +30,33 @@ const PARTS: [f64; 5] = [-1.7, -0.6, 0.1, 0.4, 1.3];
 /// Velocities at which the pieces of a law are compared.
 const VELOCITIES: [f64; 3] = [0.0, 1.0, -1.0];
 
-/// Returns true if the pieces that meet at a breakpoint agree there, relative to the change of the
-/// force over the distance of the breakpoint from 0.
-fn is_continuous(law: &dyn ForceObject, index: usize, value: f64) -> bool {
+/// Returns true if the pieces that meet at a breakpoint agree there, relative to the forces there
+/// and at the other ends of these pieces, and to the change of the force from 0 to the breakpoint.
+fn is_continuous(law: &dyn ForceObject, breakpoints: &[f64], index: usize) -> bool {
     VELOCITIES.iter().all(|&velocity| {
-        let [below, above] = [index, index + 1].map(|piece| {
-            let place = Place {
-                positions: &[value],
-                velocities: &[velocity],
-                piece,
-            };
-            let slope = law.slopes(place, 0)[0];
-            (law.forces(place)[0], (slope * value).abs())
+        let [below, above] = [0, 1].map(|side| {
+            let at = |x: f64| force_and_slope(law, x, velocity, index + side);
+            let here = breakpoints[index];
+            let (force, slope) = at(here);
+            let end = (index + 2 * side).checked_sub(1);
+            let end = end.and_then(|end| breakpoints.get(end));
+            let far = end.map_or(0.0, |&end| at(end).0);
+            let sizes = [force, far, slope * here].map(f64::abs);
+            let sizes = sizes.into_iter().filter(|size| size.is_finite());
+            (force, sizes.fold(0.0, f64::max))
         });
-        let scale = below.0.abs().max(below.1).max(above.1);
-        (below.0 - above.0).abs() <= JUMP * scale
+        (below.0 - above.0).abs() <= JUMP * below.1.max(above.1)
     })
+}
+
+/// F and ∂F/∂x on a piece of a law of one direction.
+fn force_and_slope(law: &dyn ForceObject, x: f64, velocity: f64, piece: usize) -> (f64, f64) {
+    let place = Place {
+        positions: &[x],
+        velocities: &[velocity],
+        piece,
+    };
+    (law.forces(place)[0], law.slopes(place, 0)[0])
 }
 
 /// Compares ∂U/∂x_i with F_i where F_i is finite.

@@ -187,6 +187,22 @@ fn tables_of_forces_are_those_of_friction() {
     }
 }
 
+/// The force at 0 is 0, and so may be its slope: what rounding leaves of the piece below is compared
+/// with the forces nearby.
+#[test]
+fn tables_may_go_through_the_origin() {
+    let mut random = Random::new(5);
+    for _ in 0..count(500, 50_000) {
+        let [mut below, above] = [(); 2].map(|()| random.uniform(0.1, 1.0));
+        let [x0, x1] = [(); 2].map(|()| random.uniform(0.1, 3.0));
+        below *= random.sign();
+        let points = [(-x0, below), (0.0, 0.0), (x1, above)];
+        for is_linear in [false, true] {
+            ForceElement::new(0, table(&points, is_linear)).unwrap();
+        }
+    }
+}
+
 #[test]
 fn tables_of_forces_turn_with_their_points() {
     let points = [
