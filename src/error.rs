@@ -539,8 +539,8 @@ pub enum Error {
 
     /// A search along a parameter was stopped by its watcher, a function set by the caller, or at
     /// its largest number of steps. The largest number is
-    /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
-    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another number. If
+    /// [`Search::DEFAULT_MAX_BRANCH_STEPS`](crate::Search::DEFAULT_MAX_BRANCH_STEPS), unless
+    /// [`Search::with_max_steps`](crate::Search::with_max_steps) sets another number. If
     /// the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
     /// `time`.
     #[error(

@@ -76,7 +76,7 @@
 //! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
 //! | samples at 48 kHz, each with its mode, stick or slip | [`Trajectory::sample_every`]; with forces and accelerations, for example for a sound file: [`Structure::samples`] |
-//! | bounding, watching or stopping a search | [`bifurcation::Along`], [`orbit::Search`]; the results found so far are kept |
+//! | bounding, watching or stopping a search | [`Search`]; the results found so far are kept |
 //! | many systems on all cores | systems and results can be shared between threads: call any function from several threads |
 //! | cancelling a run | [`Integrator::simulate_until`], or stop taking steps from [`Integrator::flow`] |
 //! | what is promised, and which test checks it | [`guarantees`] |
@@ -203,6 +203,7 @@
 // | `drive`, `friction` | functions of time; friction laws, their checks, contact laws with memory |
 // | `force` | laws of nonlinear springs, dampers and forces |
 // | `motion` | what both engines share: settings, step control, events, trajectories |
+// | `search.rs` | `Search`: the bounds and the watcher of a search |
 // | `belt` | one mass on a belt: system and engine |
 // | `structure` | several masses and contacts: system and engine |
 // | `orbit` | periodic motions of any system, from a guess |
@@ -234,6 +235,7 @@ mod scalar;
 mod scaling;
 #[cfg(feature = "serde")]
 pub mod schema;
+mod search;
 mod series;
 mod state;
 #[cfg(feature = "structures")]
@@ -269,6 +271,7 @@ pub use num_complex;
 pub use physical::PhysicalMassOnBelt;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaling};
+pub use search::{Progress, Search};
 pub use state::{Direction, State};
 #[cfg(feature = "structures")]
 pub use structure::{Contact, ForceElement, Structure};

@@ -1,14 +1,13 @@
-//! Searches along a parameter: the family of systems, the range, the bound of the work and the
-//! watcher.
+//! Searches along a parameter: the family of systems and the range.
 
-use std::cell::Cell;
 use std::fmt::{self, Debug, Formatter};
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::Tracer;
+use crate::search::{Search, Watched};
 
 /// The search of a family of systems along a parameter: a load, a damping, a coefficient of the
 /// law, a belt velocity, or any other number.
@@ -44,9 +43,8 @@ pub fn along<'f, L: FrictionLaw>(
 /// A search over the belt velocity of one system, for Hopf points, grazings, folds and other
 /// changes of its motions. The methods of [`Along`] return the same results as
 /// [`hopf_velocities`](super::hopf_velocities), [`grazing_velocities`](super::grazing_velocities)
-/// and the other functions for belt velocities. [`Along`] can also bound the work, and call a
-/// function that sees the progress and may stop the search. The system's own belt velocity is
-/// ignored.
+/// and the other functions for belt velocities. [`Along`] can also bound the work and be watched.
+/// The system's own belt velocity is ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///
@@ -85,10 +83,9 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// scattered points take about 200 n² steps: a second for 60 points, and half a minute to a minute
 /// for 400 points. For 400 points the default bound of the work must be raised.
 ///
-/// A search stops if the number of steps reaches its bound, or if its [watcher](Self::watched), a
-/// function of yours, stops it. The bound is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) unless
-/// [`with_max_steps`](Self::with_max_steps) sets it. Bound and watcher are checked before each
-/// system; one system takes at most about 2·10⁵ steps. A search that stops returns
+/// A search stops if the number of steps reaches its bound, or if its watcher, a function of yours,
+/// stops it. [`with_search`](Self::with_search) sets both; the default bound is
+/// [`Search::DEFAULT_MAX_BRANCH_STEPS`]. Bound and watcher are checked before each system; one system takes at most about 2·10⁵ steps. A search that stops returns
 /// [`Error::Stopped`] with the value reached and the results below this value, so no result is
 /// lost. After this error, raise the bound, smooth a table of scattered points, or search the rest
 /// of the range.
@@ -96,13 +93,8 @@ pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
     parameter: &'static str,
-    max_steps: usize,
-    watch: Option<Box<Watcher<'f>>>,
+    search: Search<'f>,
 }
-
-const DEFAULT_MAX_STEPS: usize = 5_000_000;
-
-type Watcher<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
 
 /// The systems of a search, one for each value of the parameter.
 enum Family<'f, L> {
@@ -111,32 +103,13 @@ enum Family<'f, L> {
     Systems(Box<dyn Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f>),
 }
 
-/// The progress of a search. See [`Along::watched`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Progress {
-    /// Value of the parameter to be searched next. From call to call this value usually rises, but
-    /// not always.
-    pub value: f64,
-    /// Number of systems searched so far.
-    pub systems: usize,
-    /// Number of steps of slip phases so far, the unit of the work.
-    pub steps: usize,
-}
-
 impl<'f, L: FrictionLaw> Along<'f, L> {
-    /// The default bound of the work of a search, in steps of slip phases: 5·10⁶, which take five
-    /// to ten seconds. The functions of [`bifurcation`](super) that search a range, a damping or a
-    /// load have the same bound.
-    pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
-
     fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
         Self {
             family,
             range,
             parameter,
-            max_steps: DEFAULT_MAX_STEPS,
-            watch: None,
+            search: Search::new(),
         }
     }
 
@@ -146,19 +119,15 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         Self { parameter, ..self }
     }
 
-    /// Bounds the work of each search: after this number of steps the search returns
-    /// [`Error::Stopped`]. The default is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::InvalidParameter`] for 0.
+    /// Sets the bound of the work and the watcher: those of `search`.
     ///
     /// ```
-    /// use stick_slip::{Error, MassOnBelt, Polynomial, bifurcation};
+    /// use std::ops::ControlFlow::{Break, Continue};
+    /// use stick_slip::{Error, MassOnBelt, Polynomial, Search, bifurcation};
     ///
     /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-    /// let search = bifurcation::along_velocities(&system, 0.01..0.5).with_max_steps(700)?;
-    /// match search.grazing() {
+    /// let along = || bifurcation::along_velocities(&system, 0.01..0.5);
+    /// match along().with_search(Search::new().with_max_steps(700)?).grazing() {
     ///     // The velocity 0.3958 is among those that were found before the search was stopped.
     ///     Err(Error::Stopped { value, steps, found, .. }) => {
     ///         assert!(value < 0.5 && steps >= 700);
@@ -166,50 +135,19 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     ///     }
     ///     other => panic!("{other:?}"),
     /// }
-    /// # Ok::<(), Error>(())
-    /// ```
-    pub fn with_max_steps(self, max_steps: usize) -> Result<Self, Error> {
-        Error::check(
-            "bifurcation::along",
-            "max_steps",
-            max_steps as f64,
-            max_steps > 0,
-            "max_steps > 0",
-        )?;
-        Ok(Self { max_steps, ..self })
-    }
-
-    /// Sets the watcher, a function that is called before each system of a search. The watcher can
-    /// show the progress. It can stop the search by returning [`ControlFlow::Break`]; the search
-    /// then returns [`Error::Stopped`].
-    ///
-    /// ```
-    /// use std::ops::ControlFlow::{Break, Continue};
-    /// use std::time::{Duration, Instant};
-    /// use stick_slip::{Error, MassOnBelt, Polynomial, bifurcation};
-    ///
-    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-    /// let start = Instant::now();
-    /// let search = bifurcation::along_velocities(&system, 0.01..0.5).watched(|_| {
-    ///     if start.elapsed() < Duration::from_secs(60) { Continue(()) } else { Break(()) }
-    /// });
-    /// assert_eq!(search.grazing()?.len(), 1);
-    /// // The error of a stopped search contains the value reached.
-    /// let half = bifurcation::along_velocities(&system, 0.01..0.5).watched(|progress| {
+    /// // A watcher that stops the search at the velocity 0.25.
+    /// let half = Search::new().watched(|progress| {
     ///     if progress.value < 0.25 { Continue(()) } else { Break(()) }
     /// });
-    /// match half.grazing() {
+    /// match along().with_search(half).grazing() {
     ///     Err(Error::Stopped { value, found, .. }) => assert!(value >= 0.25 && found.is_empty()),
     ///     other => panic!("{other:?}"),
     /// }
     /// # Ok::<(), Error>(())
     /// ```
     #[must_use]
-    pub fn watched(self, watch: impl Fn(&Progress) -> ControlFlow<()> + 'f) -> Self {
-        Self {
-            watch: Some(Box::new(watch)),
-            ..self
-        }
+    pub fn with_search(self, search: Search<'f>) -> Self {
+        Self { search, ..self }
     }
 
     /// Runs a search without the type of the law: see [`RangeSearch`].
@@ -226,8 +164,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
             },
             range: self.range.clone(),
             parameter: self.parameter,
-            max_steps: self.max_steps,
-            watch: self.watch.as_deref(),
+            search: &self.search,
         })
     }
 
@@ -257,23 +194,22 @@ pub(super) struct RangeSearch<'f> {
     pub(super) velocities_of: Option<Belt<'f>>,
     range: Range<f64>,
     parameter: &'static str,
-    max_steps: usize,
-    watch: Option<&'f Watcher<'f>>,
+    search: &'f Search<'f>,
 }
 
 impl<'f> RangeSearch<'f> {
-    /// A search of a family at values of its own choice, with the default bound of the work.
+    /// A search of a family at values of its own choice.
     pub(super) fn of(
         systems: &'f dyn Fn(f64, &mut Visit<'_>) -> Result<(), Error>,
         parameter: &'static str,
+        search: &'f Search<'f>,
     ) -> Self {
         Self {
             systems,
             velocities_of: None,
             range: 0.0..f64::INFINITY,
             parameter,
-            max_steps: DEFAULT_MAX_STEPS,
-            watch: None,
+            search,
         }
     }
 
@@ -334,22 +270,21 @@ pub(super) type SearchPart<'s> =
 /// The work of a search so far.
 pub(super) struct Work<'a, 'f> {
     pub(super) search: &'a RangeSearch<'f>,
-    systems: Cell<usize>,
-    steps: Cell<usize>,
+    watched: Watched<'a>,
 }
 
 impl<'a, 'f> Work<'a, 'f> {
     pub(super) fn of(search: &'a RangeSearch<'f>) -> Self {
         Self {
             search,
-            systems: Cell::new(0),
-            steps: Cell::new(0),
+            watched: search.search.watch(search.parameter),
         }
     }
 
     /// Calls `look` with the system at a value of the parameter. An error gets the value.
     pub(super) fn with_system(&self, value: f64, look: &mut Visit<'_>) -> Result<(), Error> {
-        self.begin(value)?;
+        let most = self.search.search.steps_over_a_parameter();
+        self.watched.begin(value, most)?;
         (self.search.systems)(value, look).map_err(|error| error.at(self.search.parameter, value))
     }
 
@@ -380,35 +315,9 @@ impl<'a, 'f> Work<'a, 'f> {
             };
             let mut tracer = Tracer::new(forward);
             let looked = look(&mut tracer);
-            self.steps
-                .set(self.steps.get().saturating_add(tracer.work()));
+            self.watched.add(tracer.work());
             looked
         })
-    }
-
-    /// Counts a system, unless the search is stopped before it.
-    fn begin(&self, value: f64) -> Result<(), Error> {
-        let progress = Progress {
-            value,
-            systems: self.systems.get(),
-            steps: self.steps.get(),
-        };
-        let search = self.search;
-        let goes_on = progress.steps < search.max_steps
-            && search
-                .watch
-                .is_none_or(|watch| watch(&progress).is_continue());
-        self.systems.set(progress.systems + 1);
-        if goes_on {
-            Ok(())
-        } else {
-            Err(Error::Stopped {
-                parameter: self.search.parameter,
-                value,
-                steps: progress.steps,
-                found: Vec::new(),
-            })
-        }
     }
 }
 
@@ -417,7 +326,7 @@ impl<L> Debug for Along<'_, L> {
         f.debug_struct("Along")
             .field("parameter", &self.parameter)
             .field("range", &self.range)
-            .field("max_steps", &self.max_steps)
+            .field("search", &self.search)
             .finish_non_exhaustive()
     }
 }

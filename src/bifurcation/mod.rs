@@ -64,7 +64,8 @@
 //!
 //! [`along`] makes these searches over any other parameter: a load, a damping, a coefficient of the
 //! law. Searches by [`along`] and [`along_velocities`] accept a bound of the work, and a watcher, a
-//! function that can stop the search. [`Along`] states the cost of a search.
+//! function that can stop the search, as a [`Search`](crate::Search). [`Along`] states the cost of
+//! a search.
 //!
 //! For each velocity of a list, [`diagram`] returns the equilibrium and all cycles.
 //! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws.
@@ -81,7 +82,7 @@ mod ranges;
 mod silence;
 
 pub use crate::belt::Criticality;
-pub use along::{Along, Progress, along, along_velocities};
+pub use along::{Along, along, along_velocities};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
 pub(crate) use diagram::point;

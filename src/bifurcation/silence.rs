@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{Tracer, find_moving, is_frictionless};
 use crate::numerics::bracket::Bracket;
+use crate::search::Search;
 
 /// The least damping ratio β, dimensionless, at which no vibration lasts at the system's belt
 /// velocity. With this damping or more, steady sliding is stable, and there is no periodic motion.
@@ -41,7 +42,7 @@ use crate::numerics::bracket::Bracket;
 /// * [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find).
 ///   Every β tried is at most max(10⁻³, 2β_0, 2β_1), where β_0 is the result and β_1 the β at which
 ///   steady sliding becomes stable;
-/// * [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
+/// * [`Error::Stopped`] after [`Search::DEFAULT_MAX_BRANCH_STEPS`].
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};
@@ -95,7 +96,8 @@ fn judged<'s>(
     search: &dyn Fn(&Vibrates) -> Result<f64, Error>,
 ) -> Result<f64, Error> {
     let systems = |value: f64, look: &mut Visit<'_>| with(value).and_then(look);
-    let family = RangeSearch::of(&systems, parameter);
+    let bound = Search::new();
+    let family = RangeSearch::of(&systems, parameter, &bound);
     let work = Work::of(&family);
     search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
@@ -128,7 +130,7 @@ fn judged<'s>(
 ///
 /// * [`Error::At`], with the load tried and one of the errors of
 ///   [`find`](crate::limit_cycle::find);
-/// * [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
+/// * [`Error::Stopped`] after [`Search::DEFAULT_MAX_BRANCH_STEPS`].
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};

@@ -18,7 +18,6 @@ use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::{Family, FamilyMember};
 use super::passage::{is_inside, passage};
 use super::period::Period;
-use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
 use super::spectrum::spectrum;
 use super::translation::Turning;
@@ -27,6 +26,7 @@ use crate::error::Error;
 use crate::motion::{Mode, Segment};
 use crate::numerics::least_norm::least_norm_by_rows;
 use crate::numerics::trace::{Plane, is_in_or_near};
+use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
 
 /// The equations of the periodic motions of a family.

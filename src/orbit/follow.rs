@@ -10,12 +10,12 @@ use super::curve::{Curve, Solved, sharpest};
 use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::search::Search;
 use super::trial::TrialMotion;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
+use crate::search::Search;
 use crate::state::structure::State;
 
 /// Follows a periodic motion over a parameter, in both directions and through folds, until the

@@ -2,11 +2,11 @@
 
 use std::cell::{Cell, OnceCell};
 
-use super::search::{LOOK_EVERY, MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::clock::Clock;
 use crate::drive;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode};
+use crate::search::{LOOK_EVERY, MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
 use crate::structure::engine::model::Model;
 use crate::structure::freedom::Freedom;

@@ -14,7 +14,6 @@ use super::form::GeneralForm;
 use super::map::{state, vector};
 use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
-use super::search::Search;
 use super::spectrum::{ROUNDING, hopf_point, spectrum};
 use super::translation::Turning;
 use super::trial::TrialMotion;
@@ -23,6 +22,7 @@ use crate::error::Error;
 use crate::numerics::bracket::{Bracket, border};
 use crate::numerics::eigenvalues::balance;
 use crate::numerics::trace::Plane;
+use crate::search::Search;
 use crate::state::structure::State;
 use crate::structure::sliding_field::SlidingField;
 

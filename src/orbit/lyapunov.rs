@@ -4,11 +4,11 @@ use nalgebra::DMatrix;
 
 use super::form::GeneralForm;
 use super::oscillator::Oscillator;
-use super::search::Search;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
 use crate::motion::sealed::State as _;
 use crate::motion::{Integrator, Segment};
+use crate::search::Search;
 use crate::state::structure::State;
 use crate::structure::Step;
 

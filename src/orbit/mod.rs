@@ -36,7 +36,6 @@
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`) and their starts (`frozen_start.rs`, set by `start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
-// | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `poincare.rs` | `section`, `section_at`: Poincaré sections |
 // | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events, in any order if they happen at one instant (`variation.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
@@ -226,7 +225,6 @@ mod pitchfork;
 mod poincare;
 mod ranges;
 mod saltation;
-mod search;
 mod sensitivity;
 mod sequence;
 mod shoot;
@@ -256,7 +254,6 @@ pub use period::Period;
 pub use periodic_orbit::Orbit;
 pub use poincare::{EventSection, Section, section, section_at};
 pub use ranges::{Border, VibrationRange, VibrationRanges, vibration_ranges};
-pub use search::{Progress, Search};
 pub use sensitivity::{
     EventSensitivity, OrbitSensitivities, Sensitivities, orbit_sensitivities, sensitivities,
 };
@@ -264,3 +261,4 @@ pub use shoot::{settle, shoot};
 pub use sweep::{Change, Sweep, SweepPoint, sweep};
 
 pub use crate::error::NotDifferentiable;
+pub use crate::search::{Progress, Search};

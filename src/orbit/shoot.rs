@@ -8,12 +8,12 @@ use super::oscillator::Oscillator;
 use super::passage::reach;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::motion::sealed::State as _;
 use crate::numerics::least_norm::conserving;
+use crate::search::Search;
 use crate::state::structure::State;
 use crate::structure::engine::check_sizes;
 

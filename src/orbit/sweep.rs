@@ -2,10 +2,10 @@
 
 use super::attractor::{Attractor, AttractorKind, settled};
 use super::oscillator::Oscillator;
-use super::search::Search;
 use crate::error::Error;
 use crate::motion::SystemState;
 use crate::motion::sealed::State as _;
+use crate::search::Search;
 use crate::state::structure::State;
 
 /// Attractors as a parameter rises and falls: see [`sweep`].

@@ -12,7 +12,6 @@ use super::map::vector;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::search::Search;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::belt::Criticality;
@@ -20,6 +19,7 @@ use crate::error::Error;
 use crate::motion::SystemState;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
+use crate::search::Search;
 use crate::state::structure::State;
 
 /// Distances from the bifurcation at which the other branch is met, in units of the sizes. The

@@ -7,8 +7,8 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::bifurcation::Criticality;
 use stick_slip::{
     Attractor, Ended, Error, Exponential, FrictionLaw, Integrator, LimitCycle, Physical,
-    PhysicalMassOnBelt, Scalar, Scaling, Segment, State, Step, Stribeck, Structure, Tabulated,
-    bifurcation, limit_cycle, structure,
+    PhysicalMassOnBelt, Scalar, Scaling, Search, Segment, State, Step, Stribeck, Structure,
+    Tabulated, bifurcation, limit_cycle, structure,
 };
 
 const PAD: Physical = Physical {
@@ -531,7 +531,9 @@ fn errors_of_searches_are_in_si_units() {
         let error = self::brake().velocities(
             |system, range| {
                 let search = bifurcation::along_velocities(system, range).named(name);
-                search.with_max_steps(steps)?.grazing()
+                search
+                    .with_search(Search::new().with_max_steps(steps)?)
+                    .grazing()
             },
             -0.5..0.5,
         );

@@ -19,7 +19,7 @@ const FLOORS: [&[&str]; 13] = [
     &["friction"],
     &["force"],
     &["motion"],
-    &["belt"],
+    &["belt", "search"],
     // Made from a belt, too.
     &["structure"],
     &["limit_cycle", "orbit", "analysis", "scaling"],

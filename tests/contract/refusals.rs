@@ -11,9 +11,9 @@ use stick_slip::orbit::{self, Period};
 use stick_slip::{
     Backlash, Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
     ForceElement, ForceLaw, FrictionLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Pendulum,
-    Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Slip, SnapThrough,
-    State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation, check_law,
-    structure,
+    Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search, Slip,
+    SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation,
+    check_law, structure,
 };
 use stick_slip_tests_common::root;
 
@@ -403,16 +403,15 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let mut no_contact = orbit::section_at(&belt, &(0.0, 0.0).into(), 3, EventKind::Stick);
     let no_contact_3 = no_contact.next().unwrap().unwrap_err();
     assert_eq!(no_contact.next(), None);
-    let no_search = bifurcation::along_velocities(&belt, 0.1..0.2).with_max_steps(0);
     let no_period = orbit::shoot(&forced, &start, Period::Driven(0));
     let no_steps = Integrator::new().with_max_steps(0);
-    let no_orbit = orbit::Search::new().with_max_steps(0);
+    let no_search = Search::new().with_max_steps(0);
     let no_events = Integrator::new().with_max_events(0);
     let no_power = Stribeck::new(0.4, 0.2, 0.5, 0);
     let too_high = Stribeck::new(0.4, 0.2, 0.5, MOST as u32);
     let smooth = Coulomb::new(0.4, 0.0).unwrap();
     let no_friction = LuGre::new(smooth, 1.0, 0.0, 0.0);
-    let no_points = orbit::Search::new().with_max_points(0);
+    let no_points = Search::new().with_max_points(0);
     let no_table = Tabulated::new([]);
     let one_point = Tabulated::new([(0.0, 0.4)]);
     let no_spring = PolynomialSpring::new(&[]);
@@ -423,13 +422,11 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let no_mass = Structure::new(&[]);
     let no_matrix = Structure::with_mass_matrix(DMatrix::zeros(0, 0));
     let no_time = orbit::lyapunov(&forced, &start, 1.0, 1e-17);
-    let search = "bifurcation::along";
     vec![
         ("Integrator", "max_steps", 0.0, no_steps.unwrap_err()),
         ("Integrator", "max_events", 0.0, no_events.unwrap_err()),
-        (search, "max_steps", 0.0, no_search.unwrap_err()),
-        ("orbit::Search", "max_steps", 0.0, no_orbit.unwrap_err()),
-        ("orbit::Search", "max_points", 0.0, no_points.unwrap_err()),
+        ("Search", "max_steps", 0.0, no_search.unwrap_err()),
+        ("Search", "max_points", 0.0, no_points.unwrap_err()),
         ("LuGre", "coefficient", 0.0, no_friction.unwrap_err()),
         ("Stribeck", "exponent", 0.0, no_power.unwrap_err()),
         ("Stribeck", "exponent", MOST, too_high.unwrap_err()),

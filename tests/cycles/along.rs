@@ -8,14 +8,14 @@ use std::ops::Range;
 use crate::common::{Random, Table, count, on_belt};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
-    Along, AttractorKind, VibrationRange, along, along_velocities, fold_velocities,
-    grazing_velocities, hopf_velocities, overshoot_velocities, silencing_damping, silencing_load,
-    touching_velocities, vibration_ranges,
+    AttractorKind, VibrationRange, along, along_velocities, fold_velocities, grazing_velocities,
+    hopf_velocities, overshoot_velocities, silencing_damping, silencing_load, touching_velocities,
+    vibration_ranges,
 };
 use stick_slip::limit_cycle;
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
-    State, Stribeck, Tabulated,
+    Search, State, Stribeck, Tabulated,
 };
 
 fn exponential(v_b: f64, damping: f64) -> MassOnBelt<Exponential> {
@@ -182,10 +182,13 @@ fn a_search_that_is_stopped_keeps_what_it_has_found() {
     assert!(all.len() >= 2);
     let (mut lengths, mut last) = (vec![], 0);
     for most in (1..).map(|k| 100 * k) {
-        let search = along_velocities(&system, -1.0..1.0)
-            .with_max_steps(most)
-            .unwrap();
-        match search.grazing() {
+        let bounded = |steps: usize| {
+            let bound = Search::new().with_max_steps(steps).unwrap();
+            along_velocities(&system, -1.0..1.0)
+                .with_search(bound)
+                .grazing()
+        };
+        match bounded(most) {
             Ok(found) => {
                 assert_eq!(found, all);
                 break;
@@ -199,11 +202,9 @@ fn a_search_that_is_stopped_keeps_what_it_has_found() {
                 assert_eq!(parameter, "belt_velocity");
                 assert!(steps >= most && steps < most + 200 && steps >= last);
                 // The bound is reached where so many steps are taken, not one later.
-                let bound = along_velocities(&system, -1.0..1.0).with_max_steps(steps);
-                let again = bound.unwrap().grazing();
                 let is_same =
                     |again| matches!(again, Err(Error::Stopped { steps: s, .. }) if s == steps);
-                assert!(is_same(again), "{steps}");
+                assert!(is_same(bounded(steps)), "{steps}");
                 last = steps;
                 assert_eq!(found, all[..found.len()]);
                 assert!(found.iter().all(|found| *found < value + 0.05));
@@ -213,28 +214,25 @@ fn a_search_that_is_stopped_keeps_what_it_has_found() {
         }
     }
     assert!(lengths.is_sorted() && lengths[0] == 0 && *lengths.last().unwrap() > 0);
-    assert!(
-        along_velocities(&system, 0.1..1.0)
-            .with_max_steps(0)
-            .is_err()
-    );
 
     // A watcher sees every system, and stops any search.
     let (seen, steps) = (Cell::new(0), Cell::new(0));
-    let search = along_velocities(&system, 0.1..1.0).watched(|progress| {
-        assert_eq!(progress.systems, seen.get());
+    let watched = Search::new().watched(|progress| {
+        assert_eq!(progress.points, seen.get());
         assert!(progress.steps >= steps.get());
-        seen.set(progress.systems + 1);
+        seen.set(progress.points + 1);
         steps.set(progress.steps);
         Continue(())
     });
+    let search = along_velocities(&system, 0.1..1.0).with_search(watched);
     search.grazing().unwrap();
     assert!((65..200).contains(&seen.get()), "{}", seen.get());
     seen.set(0);
     steps.set(0);
     search.vibration_ranges().unwrap();
     assert!(seen.get() > 4 * 65);
-    let stopped = along(|load| system.with_load(load), 0.1..1.0).watched(|_| Break(()));
+    let never = Search::new().watched(|_| Break(()));
+    let stopped = along(|load| system.with_load(load), 0.1..1.0).with_search(never);
     for result in [
         stopped.hopf().err(),
         stopped.folds().err(),
@@ -705,7 +703,7 @@ fn folds_of_scattered_points_take_a_bounded_work() {
 #[test]
 #[ignore = "a full count: searches up to the default bound"]
 fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
-    let most = Along::<Tabulated>::DEFAULT_MAX_STEPS;
+    let most = Search::DEFAULT_MAX_BRANCH_STEPS;
     let law = measured(400, 0.004);
     let system = on_belt(&law, 0.2, 0.02, 1.0);
     let Err(Error::Stopped {
@@ -723,7 +721,8 @@ fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
     assert!(found.len() > 5 && found.is_sorted() && found[0] < value);
     // The other searches are far from it.
     let dampings = along(|damping| system.with_damping(damping), 0.0..2.0);
-    let silent = dampings.with_max_steps(most / 10).unwrap().silence();
+    let few = Search::new().with_max_steps(most / 20).unwrap();
+    let silent = dampings.with_search(few).silence();
     assert_close(
         silencing_damping(&system).unwrap(),
         silent.unwrap().unwrap(),

@@ -32,12 +32,12 @@ use super::map::vector;
 use super::oscillator::{Oscillator, SystemsOfTwo, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::search::Search;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::EventKind;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::{Point, check_ranges};
+use crate::search::Search;
 
 /// The curve through a bifurcation, in two parameters of the system.
 ///

@@ -14,12 +14,12 @@ use super::super::map::{PeriodMap, held_period_map, state};
 use super::super::oscillator::FamilyOfTwo;
 use super::super::passage::{StepsAndTouches, held_steps};
 use super::super::period::Period;
-use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::frozen_start::{FrozenStart, Section};
 use crate::error::Error;
 use crate::motion::{EventKind, Segment};
+use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
 
 /// The motions of a family.

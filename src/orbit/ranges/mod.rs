@@ -13,13 +13,13 @@ use super::branch::{Branch, BranchEnd};
 use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};
 use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
-use super::search::Search;
 use super::sweep::{Sweep, SweepPoint};
 use crate::error::Error;
 use crate::motion::SystemState;
 use crate::motion::sealed::State as _;
 use crate::numerics::bracket::border;
 use crate::numerics::sort::sort_by;
+use crate::search::Search;
 use crate::state::structure::State;
 
 /// Intervals of the range at whose ends the system is swept.

@@ -14,13 +14,13 @@ use super::map::{PeriodMap, longest_pause, period_map, state, vector};
 use super::oscillator::{FamilyMember, Oscillator, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::search::{Search, Watched};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::NotDifferentiable;
 use crate::motion::sealed::State as _;
 use crate::motion::{Event, EventKind, Segment};
 use crate::numerics::least_norm::least_norm;
+use crate::search::{Search, Watched};
 use crate::state::structure::State;
 
 /// A motion with its derivatives with respect to parameters; returned by [`sensitivities`].
@@ -165,7 +165,7 @@ struct Work<'w> {
 impl<'w> Work<'w> {
     fn new(search: &'w Search<'_>) -> Self {
         Self {
-            most: search.of_sensitivities(),
+            most: search.steps_over_a_parameter(),
             watched: search.watch("time"),
             taken: Cell::new(0),
             ended: RefCell::new(None),

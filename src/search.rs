@@ -1,4 +1,5 @@
-//! The bound of the work of a search, and its watcher.
+//! The bound of the work of a search, and its watcher: of periodic motions of any system, and of
+//! the belt along a parameter.
 
 use std::cell::Cell;
 use std::fmt;
@@ -8,18 +9,19 @@ use crate::error::Error;
 use crate::motion::Integrator;
 
 /// Limit of steps of all the motions of one search: seconds for one mass.
-pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
+pub(crate) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
 
 /// Steps after which the watcher of a search is called again.
-pub(super) const LOOK_EVERY: usize = 1000;
+pub(crate) const LOOK_EVERY: usize = 1000;
 
-/// A search for periodic motions or Lyapunov exponents, with bounds of its work and a watcher, a
-/// function that can stop the search. The methods of `Search` have the names of the functions of
-/// [`orbit`](super) and return the same results.
+/// A search with bounds of its work and a watcher, a function that can stop the search. The methods
+/// of `Search` have the names of the functions of [`orbit`](crate::orbit) and return the same
+/// results. Searches of a mass on a belt along a parameter take a `Search` by
+/// [`Along::with_search`](crate::bifurcation::Along::with_search), whose page states their cost.
 ///
 /// # Cost
 ///
-/// The unit of work is an integration step, which takes a few microseconds per mass. An oscillation
+/// In a search of [`orbit`](crate::orbit) the unit of work is an integration step, which takes a few microseconds per mass. An oscillation
 /// takes about ten steps, more if many contacts have events. Most searches also compute the
 /// derivative of the motion with respect to its start. For a few masses, a motion with its
 /// derivative takes two to three and a half times as long as the motion alone. For 20 masses, it
@@ -94,21 +96,23 @@ pub struct Progress {
     /// parameter. Otherwise `None`.
     pub second: Option<f64>,
     /// Number of motions found so far, not counting the first motion; 0 in a search on one system.
+    /// In a search by [`Along`](crate::bifurcation::Along): number of systems searched so far.
     pub points: usize,
-    /// Integration steps taken so far.
+    /// Number of steps so far, the unit of the work.
     pub steps: usize,
 }
 
 impl<'w> Search<'w> {
     /// The default bound of the work on one system: 10⁶ steps, which take seconds for one mass.
     pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS_OF_A_SEARCH;
-    /// The default bound of the work of [`follow`](Self::follow) in each direction: 10⁷ steps.
+    /// The default bound of the work of a search over one parameter: 10⁷ steps. It applies to
+    /// [`follow`](Self::follow) in each direction, to [`sensitivities`](Self::sensitivities) and
+    /// [`orbit_sensitivities`](Self::orbit_sensitivities), and to the searches of
+    /// [`bifurcation`](crate::bifurcation) over a range, a damping or a load, which take ten to
+    /// twenty seconds for so many steps.
     pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the work of [`locus`](Self::locus) in each direction: 2·10⁷ steps.
     pub const DEFAULT_MAX_LOCUS_STEPS: usize = 20 * MOST_STEPS_OF_A_SEARCH;
-    /// The default bound of the work of [`sensitivities`](Self::sensitivities) and
-    /// [`orbit_sensitivities`](Self::orbit_sensitivities): 10⁷ steps of all motions together.
-    pub const DEFAULT_MAX_SENSITIVITY_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the points of [`follow`](Self::follow) and [`locus`](Self::locus) in
     /// each direction.
     pub const DEFAULT_MAX_POINTS: usize = 2048;
@@ -119,14 +123,13 @@ impl<'w> Search<'w> {
     }
 
     /// Bounds the steps of each search. If the bound is reached, a branch ends with
-    /// [`BranchEnd::Work`](super::BranchEnd::Work), and a locus ends with
-    /// [`LocusEnd::Work`](super::LocusEnd::Work). A search on one system returns
-    /// [`Error::TooManySteps`], or, if Newton's method has begun, [`Error::NotPeriodic`].
+    /// [`BranchEnd::Work`](crate::orbit::BranchEnd::Work), and a locus ends with
+    /// [`LocusEnd::Work`](crate::orbit::LocusEnd::Work). A search by
+    /// [`Along`](crate::bifurcation::Along) returns [`Error::Stopped`]. A search on one system
+    /// returns [`Error::TooManySteps`], or, if Newton's method has begun, [`Error::NotPeriodic`].
     ///
-    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS),
-    /// [`DEFAULT_MAX_SENSITIVITY_STEPS`](Self::DEFAULT_MAX_SENSITIVITY_STEPS) for derivatives with
-    /// respect to parameters, and, in each direction,
-    /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
+    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) on one system,
+    /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) over one parameter, and
     /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. In a search on one
     /// system, a single motion over a period may take a tenth of the bound, at least 10⁵ steps, but
     /// never more than the bound. On a branch or a locus, a single motion may take 10⁵ steps. The
@@ -153,11 +156,12 @@ impl<'w> Search<'w> {
 
     /// Sets the watcher, a function that shows the progress or stops the search by returning
     /// [`ControlFlow::Break`]. The function is called every 1000 steps. A search along a parameter
-    /// also calls it before each motion that is tried and after each motion that is found.
+    /// also calls it before each motion that is tried and after each motion that is found. A search
+    /// by [`Along`](crate::bifurcation::Along) calls it before each system only.
     ///
     /// A branch or a locus that is stopped contains the motions found so far, and ends with
-    /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) or
-    /// [`LocusEnd::Stopped`](super::LocusEnd::Stopped). [`sweep`](Self::sweep) and
+    /// [`BranchEnd::Stopped`](crate::orbit::BranchEnd::Stopped) or
+    /// [`LocusEnd::Stopped`](crate::orbit::LocusEnd::Stopped). [`sweep`](Self::sweep) and
     /// [`vibration_ranges`](Self::vibration_ranges) return the results so far. Any other search
     /// returns [`Error::Stopped`].
     pub fn watched(self, watch: impl Fn(&Progress) -> ControlFlow<()> + 'w) -> Self {
@@ -168,7 +172,7 @@ impl<'w> Search<'w> {
     }
 
     /// The same search, which also notes the value of the parameter at which its watcher stops it.
-    pub(super) fn noting<'s>(&'s self, stopped: &'s Cell<Option<f64>>) -> Search<'s> {
+    pub(crate) fn noting<'s>(&'s self, stopped: &'s Cell<Option<f64>>) -> Search<'s> {
         let search = Search {
             max_steps: self.max_steps,
             max_points: self.max_points,
@@ -187,26 +191,25 @@ impl<'w> Search<'w> {
     }
 
     /// The bound of the steps on one system.
-    pub(super) fn steps(&self) -> usize {
+    pub(crate) fn steps(&self) -> usize {
         self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)
     }
 
-    /// The bound of the steps of all motions from which derivatives are computed.
-    pub(super) fn of_sensitivities(&self) -> usize {
-        self.max_steps
-            .unwrap_or(Self::DEFAULT_MAX_SENSITIVITY_STEPS)
+    /// The bound of the steps of all motions over one parameter.
+    pub(crate) fn steps_over_a_parameter(&self) -> usize {
+        self.max_steps.unwrap_or(Self::DEFAULT_MAX_BRANCH_STEPS)
     }
 
     /// The bounds of a branch in each direction: steps and points.
-    pub(super) fn of_branch(&self) -> (usize, usize) {
+    pub(crate) fn of_branch(&self) -> (usize, usize) {
         (
-            self.max_steps.unwrap_or(Self::DEFAULT_MAX_BRANCH_STEPS),
+            self.steps_over_a_parameter(),
             self.max_points.unwrap_or(Self::DEFAULT_MAX_POINTS),
         )
     }
 
     /// The bounds of a curve in two parameters in each direction: steps and points.
-    pub(super) fn of_locus(&self) -> (usize, usize) {
+    pub(crate) fn of_locus(&self) -> (usize, usize) {
         (
             self.max_steps.unwrap_or(Self::DEFAULT_MAX_LOCUS_STEPS),
             self.max_points.unwrap_or(Self::DEFAULT_MAX_POINTS),
@@ -214,7 +217,7 @@ impl<'w> Search<'w> {
     }
 
     /// The watch over one search: on one system with the parameter `time`.
-    pub(super) fn watch(&self, parameter: &'static str) -> Watched<'_> {
+    pub(crate) fn watch(&self, parameter: &'static str) -> Watched<'_> {
         Watched {
             watch: self.watch.as_deref(),
             parameter,
@@ -228,7 +231,7 @@ impl<'w> Search<'w> {
 }
 
 fn positive(name: &'static str, count: usize, allowed: &'static str) -> Result<usize, Error> {
-    Error::check("orbit::Search", name, count as f64, count > 0, allowed)?;
+    Error::check("Search", name, count as f64, count > 0, allowed)?;
     Ok(count)
 }
 
@@ -243,7 +246,7 @@ impl fmt::Debug for Search<'_> {
 }
 
 /// The progress of one search, and whether it was stopped.
-pub(super) struct Watched<'w> {
+pub(crate) struct Watched<'w> {
     watch: Option<&'w Watcher<'w>>,
     parameter: &'static str,
     /// The value of the parameter at hand; on one system `None`.
@@ -258,47 +261,65 @@ pub(super) struct Watched<'w> {
 
 impl Watched<'_> {
     /// Another value of the parameter is at hand.
-    pub(super) fn at(&self, value: f64) {
+    pub(crate) fn at(&self, value: f64) {
         self.value.set(Some(value));
     }
 
     /// Other values of two parameters are at hand.
-    pub(super) fn at_pair(&self, first: f64, second: f64) {
+    pub(crate) fn at_pair(&self, first: f64, second: f64) {
         self.value.set(Some(first));
         self.second.set(Some(second));
     }
 
     /// One more motion was found, at a value of the parameter.
-    pub(super) fn found(&self, value: f64) {
+    pub(crate) fn found(&self, value: f64) {
         self.at(value);
         self.points.set(self.points.get() + 1);
         self.look(value, 0);
     }
 
     /// A motion has ended, after so many steps.
-    pub(super) fn add(&self, steps: usize) {
-        self.steps.set(self.steps.get() + steps);
+    pub(crate) fn add(&self, steps: usize) {
+        self.steps.set(self.steps.get().saturating_add(steps));
     }
 
-    pub(super) fn is_stopped(&self) -> bool {
+    /// Counts a system of a search along a parameter, unless the watcher or a bound of the steps
+    /// stops the search before it.
+    pub(crate) fn begin(&self, value: f64, most: usize) -> Result<(), Error> {
+        self.at(value);
+        let progress = self.progress(value, 0);
+        if progress.steps >= most {
+            self.stopped.set(Some(progress));
+        } else {
+            self.look(value, 0);
+        }
+        self.points.set(progress.points + 1);
+        self.check()
+    }
+
+    pub(crate) fn is_stopped(&self) -> bool {
         self.stopped.get().is_some()
     }
 
     /// Shows the progress, after so many steps of the motion at hand, which has reached a time.
-    pub(super) fn look(&self, time: f64, steps: usize) {
-        let progress = Progress {
-            value: self.value.get().unwrap_or(time),
-            second: self.second.get(),
-            points: self.points.get(),
-            steps: self.steps.get() + steps,
-        };
+    pub(crate) fn look(&self, time: f64, steps: usize) {
+        let progress = self.progress(time, steps);
         if self.watch.is_some_and(|watch| watch(&progress).is_break()) {
             self.stopped.set(Some(progress));
         }
     }
 
+    fn progress(&self, time: f64, steps: usize) -> Progress {
+        Progress {
+            value: self.value.get().unwrap_or(time),
+            second: self.second.get(),
+            points: self.points.get(),
+            steps: self.steps.get().saturating_add(steps),
+        }
+    }
+
     /// The error if the search was stopped.
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         match self.stopped.get() {
             None => Ok(()),
             Some(Progress { value, steps, .. }) => Err(Error::Stopped {
