@@ -257,8 +257,6 @@ pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Iwan4, LawFault, Polynomial, Rational, Scaled,
     Stribeck, Tabulated, check_law,
 };
-#[doc(hidden)]
-pub use friction::{LawRef, LawVisitor};
 pub use limit_cycle::{
     Attractor, Basins, Continuum, CycleKind, CycleSet, EnergyBudget, LimitCycle,
 };

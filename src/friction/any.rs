@@ -1,5 +1,5 @@
 use super::{
-    Coulomb, Exponential, FrictionLaw, LawRef, LawVisitor, Polynomial, Rational, Stribeck,
+    Coulomb, Exponential, FrictionLaw, LawRef, LawVisitor, Own, Polynomial, Rational, Stribeck,
     Tabulated,
 };
 use crate::scalar::Scalar;
@@ -109,11 +109,11 @@ impl FrictionLaw for AnyLaw {
         for_each!(self, law => law.erased())
     }
 
-    fn any(&self) -> Option<AnyLaw> {
+    fn any(&self, _: Own) -> Option<AnyLaw> {
         Some(self.clone())
     }
 
-    fn constant(&self) -> Option<f64> {
-        for_each!(self, law => law.constant())
+    fn constant(&self, own: Own) -> Option<f64> {
+        for_each!(self, law => law.constant(own))
     }
 }

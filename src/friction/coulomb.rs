@@ -1,5 +1,5 @@
 use super::check::{check_kinetic, check_static};
-use super::{AnyLaw, FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef, Own};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -70,11 +70,11 @@ impl FrictionLaw for Coulomb {
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
     }
-    fn any(&self) -> Option<AnyLaw> {
+    fn any(&self, _: Own) -> Option<AnyLaw> {
         Some((*self).into())
     }
 
-    fn constant(&self) -> Option<f64> {
+    fn constant(&self, _: Own) -> Option<f64> {
         (self.static_coefficient == self.kinetic_coefficient).then_some(self.kinetic_coefficient)
     }
 }

@@ -96,8 +96,7 @@ impl<L: FrictionLaw> Law for L {
     }
 }
 
-/// A law as a trait object. See [`FrictionLaw::erased`].
-#[doc(hidden)]
+/// A law as a trait object. See [`FrictionLaw::erased`]. Not exported.
 #[derive(Clone, Copy)]
 pub struct LawRef<'l>(&'l dyn Law);
 
@@ -110,3 +109,8 @@ impl<'l> LawRef<'l> {
         self.0
     }
 }
+
+/// An argument of the methods of laws that only this crate calls and overrides: its type is not
+/// exported.
+#[derive(Debug, Clone, Copy)]
+pub struct Own;

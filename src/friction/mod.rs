@@ -45,8 +45,6 @@ pub use exponential::Exponential;
 pub use fault::LawFault;
 pub use inspect::check_law;
 pub use iwan::Iwan4;
-#[doc(hidden)]
-pub use law::LawRef;
 pub use polynomial::Polynomial;
 pub use rational::Rational;
 pub use scaled::Scaled;
@@ -58,13 +56,12 @@ pub(crate) use check::{
     has_no_kinetic_friction, is_constant_near, is_constant_on, static_is_nan, validate,
 };
 pub(crate) use expansion::{finite_at, slope_on, taylor_coefficients, taylor_coefficients_on};
-pub(crate) use law::{Law, Values};
+pub(crate) use law::{Law, LawRef, Own, Values};
 pub(crate) use piece::{Piece, piece_above, value_and_slope};
 
 use crate::scalar::Scalar;
 
-/// A function that takes a law of any type. See [`FrictionLaw::give_to`].
-#[doc(hidden)]
+/// A function that takes a law of any type. See [`FrictionLaw::give_to`]. Not exported.
 pub trait LawVisitor {
     /// The result.
     type Output;
@@ -219,14 +216,14 @@ pub trait FrictionLaw: Sized {
     /// The law as a value of [`AnyLaw`], which is used to write and compare it; `None` for a user's
     /// law.
     #[doc(hidden)]
-    fn any(&self) -> Option<AnyLaw> {
+    fn any(&self, _: Own) -> Option<AnyLaw> {
         None
     }
 
     /// The coefficient of a constant law, μ_s = μ̂(s) at every speed; `None` if the law is not
     /// constant, or if this is not known.
     #[doc(hidden)]
-    fn constant(&self) -> Option<f64> {
+    fn constant(&self, _: Own) -> Option<f64> {
         None
     }
 
@@ -324,11 +321,11 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     fn erased(&self) -> LawRef<'_> {
         (**self).erased()
     }
-    fn any(&self) -> Option<AnyLaw> {
-        (**self).any()
+    fn any(&self, own: Own) -> Option<AnyLaw> {
+        (**self).any(own)
     }
-    fn constant(&self) -> Option<f64> {
-        (**self).constant()
+    fn constant(&self, own: Own) -> Option<f64> {
+        (**self).constant(own)
     }
     // These forward to the law itself: the defaults would be compiled once more for the reference.
     fn coefficient(&self, relative_velocity: f64) -> f64 {

@@ -1,5 +1,5 @@
 use super::check::check_static;
-use super::{AnyLaw, FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef, Own};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -131,7 +131,7 @@ impl FrictionLaw for Rational {
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
     }
-    fn any(&self) -> Option<AnyLaw> {
+    fn any(&self, _: Own) -> Option<AnyLaw> {
         Some((*self).into())
     }
 }

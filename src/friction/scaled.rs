@@ -1,4 +1,4 @@
-use super::{FrictionLaw, LawVisitor};
+use super::{FrictionLaw, LawVisitor, Own};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -104,8 +104,8 @@ impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
         })
     }
 
-    fn constant(&self) -> Option<f64> {
-        self.law.constant()
+    fn constant(&self, own: Own) -> Option<f64> {
+        self.law.constant(own)
     }
 }
 

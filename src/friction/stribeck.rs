@@ -1,5 +1,5 @@
 use super::check::check_static;
-use super::{AnyLaw, FrictionLaw, LawRef, LawVisitor};
+use super::{AnyLaw, FrictionLaw, LawRef, LawVisitor, Own};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -202,7 +202,7 @@ impl FrictionLaw for Stribeck {
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
     }
-    fn any(&self) -> Option<AnyLaw> {
+    fn any(&self, _: Own) -> Option<AnyLaw> {
         Some((*self).into())
     }
 }

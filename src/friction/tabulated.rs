@@ -1,4 +1,4 @@
-use super::{AnyLaw, FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef, Own};
 use crate::error::Error;
 use crate::numerics::table::{Above, Cubic, Join, Names, checked_pieces};
 use crate::scalar::Scalar;
@@ -180,7 +180,7 @@ impl FrictionLaw for Tabulated {
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
     }
-    fn any(&self) -> Option<AnyLaw> {
+    fn any(&self, _: Own) -> Option<AnyLaw> {
         Some(self.clone().into())
     }
 }

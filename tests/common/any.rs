@@ -1,8 +1,8 @@
 //! Random systems of every law: those of the crate, and the tests' own.
 
 use stick_slip::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, LawRef, LawVisitor, MassOnBelt, Polynomial,
-    Rational, Scalar, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, Scalar, Stribeck,
+    Tabulated,
 };
 
 use crate::{Decay, Leine, Random, Table, on_belt};
@@ -68,25 +68,6 @@ impl FrictionLaw for Any {
             Self::Crate(law) => law.kinetic_on(piece, speed),
             Self::Table(law) => law.kinetic_on(piece, speed),
             other => other.kinetic(speed),
-        }
-    }
-    // Both as `AnyLaw` does: compiling all laws in one piece takes long.
-    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
-        match self {
-            Self::Crate(law) => law.give_to(visitor),
-            Self::Leine(law) => law.give_to(visitor),
-            Self::Decay(law) => law.give_to(visitor),
-            Self::Table(law) => law.give_to(visitor),
-            Self::Wave(law) => law.give_to(visitor),
-        }
-    }
-    fn erased(&self) -> LawRef<'_> {
-        match self {
-            Self::Crate(law) => law.erased(),
-            Self::Leine(law) => law.erased(),
-            Self::Decay(law) => law.erased(),
-            Self::Table(law) => law.erased(),
-            Self::Wave(law) => law.erased(),
         }
     }
 }

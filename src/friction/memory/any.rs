@@ -1,6 +1,6 @@
 use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, NamedLaw, Slip};
 use crate::friction::FrictionLaw;
-use crate::friction::law::LawRef;
+use crate::friction::law::{LawRef, Own};
 use crate::scalar::Scalar;
 
 /// A dry friction law or one of the crate's laws with memory, chosen at run time.
@@ -122,7 +122,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
 
     fn named(&self) -> Option<NamedLaw> {
         match self {
-            Self::Dry(law) => Some(NamedLaw::Contact(AnyContactLaw::Dry(law.any()?))),
+            Self::Dry(law) => Some(NamedLaw::Contact(AnyContactLaw::Dry(law.any(Own)?))),
             Self::Dwell(law) => law.named(),
             Self::Dahl(law) => law.named(),
             Self::LuGre(law) => law.named(),

@@ -1,6 +1,6 @@
 use super::{ContactLaw, Motion, NamedLaw, Slip};
 use crate::error::Error;
-use crate::friction::{Coulomb, FrictionLaw};
+use crate::friction::{Coulomb, FrictionLaw, Own};
 use crate::scalar::Scalar;
 
 /// The LuGre model: the friction force depends on the mean deflection z of elastic bristles, the
@@ -169,7 +169,7 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
             viscous,
             ..
         } = *self;
-        let law = self.law.any()?;
+        let law = self.law.any(Own)?;
         let named = LuGre {
             law,
             stiffness,

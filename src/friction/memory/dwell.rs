@@ -1,7 +1,7 @@
 use super::{ContactLaw, Motion, NamedLaw, Slip};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::friction::law::LawRef;
+use crate::friction::law::{LawRef, Own};
 use crate::scalar::Scalar;
 
 /// Static friction that rises with the time in stick.
@@ -209,7 +209,7 @@ impl<L: FrictionLaw> ContactLaw for Dwell<L> {
 
     fn named(&self) -> Option<NamedLaw> {
         let Self { form, time, .. } = *self;
-        let law = self.law.any()?;
+        let law = self.law.any(Own)?;
         Some(NamedLaw::Contact(Dwell { law, form, time }.into()))
     }
 

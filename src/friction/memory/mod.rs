@@ -31,7 +31,7 @@ pub use dwell::Dwell;
 #[cfg(feature = "structures")]
 pub(crate) use sliding::Sliding;
 
-use crate::friction::{AnyLaw, FrictionLaw, LawRef};
+use crate::friction::{AnyLaw, FrictionLaw, LawRef, Own};
 use crate::scalar::Scalar;
 
 /// Sliding of a contact at one instant. A [`ContactLaw`] gets this value in slip.
@@ -109,8 +109,7 @@ impl<S: Copy, const Z: usize> Variables<S> for [S; Z] {
     }
 }
 
-/// A law of the crate, for serialization and comparison of contacts.
-#[doc(hidden)]
+/// A law of the crate, for serialization and comparison of contacts. Not exported.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(untagged))]
 pub enum NamedLaw {
@@ -211,8 +210,8 @@ pub trait ContactLaw: Sized {
     /// event. The state stored in the event contains the memory just before the event.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
-    /// The coefficient and the rates in slip, for laws in which both have operations in common.
-    #[doc(hidden)]
+    /// The coefficient and the rates in slip. Write this function if both have operations in
+    /// common.
     #[inline(always)]
     fn coefficient_and_rates<S: Scalar>(
         &self,
@@ -233,7 +232,7 @@ pub trait ContactLaw: Sized {
     /// The coefficient of a constant law without memory, μ_s = μ at every speed; `None` for any
     /// other law.
     #[doc(hidden)]
-    fn constant(&self) -> Option<f64> {
+    fn constant(&self, _: Own) -> Option<f64> {
         None
     }
 
@@ -272,11 +271,11 @@ impl<L: FrictionLaw> ContactLaw for L {
     }
 
     fn named(&self) -> Option<NamedLaw> {
-        FrictionLaw::any(self).map(NamedLaw::Dry)
+        FrictionLaw::any(self, Own).map(NamedLaw::Dry)
     }
 
-    fn constant(&self) -> Option<f64> {
-        FrictionLaw::constant(self)
+    fn constant(&self, own: Own) -> Option<f64> {
+        FrictionLaw::constant(self, own)
     }
 
     fn dry_slip(&self) -> Option<LawRef<'_>> {

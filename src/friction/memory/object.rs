@@ -8,7 +8,7 @@ use std::fmt;
 
 use super::sliding::Sliding;
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
-use crate::friction::law::{Law, LawRef};
+use crate::friction::law::{Law, LawRef, Own};
 use crate::scalar::Scalar;
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Tape};
@@ -177,7 +177,7 @@ impl<L: ContactLaw> LawObject for L {
     }
 
     fn constant(&self) -> Option<f64> {
-        ContactLaw::constant(self)
+        ContactLaw::constant(self, Own)
     }
 
     fn dry_slip(&self) -> Option<&dyn Law> {
