@@ -173,7 +173,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     pub fn friction_force(&self, state: impl Into<State>) -> f64 {
         let given = state.into();
         let relative_velocity = given.velocity - self.physical().belt_velocity;
-        let state = self.scaling.dimensionless_state(given);
+        let state = self.scaling.units().dimensionless(given);
         if is_finite(state) || relative_velocity == 0.0 {
             return self.scaling.newtons(self.system.friction_force(state));
         }
@@ -184,7 +184,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// [`MassOnBelt::acceleration`]. If it overflows, the result is ±∞.
     pub fn acceleration(&self, state: impl Into<State>) -> f64 {
         let given = state.into();
-        let state = self.scaling.dimensionless_state(given);
+        let state = self.scaling.units().dimensionless(given);
         let units = self.scaling.units();
         if is_finite(state) {
             return self.system.acceleration(state) * units.rate * units.velocity();
@@ -294,7 +294,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         seconds: f64,
         run: impl FnOnce(State, f64) -> Result<Trajectory, Error>,
     ) -> Result<Trajectory, Error> {
-        let start = self.scaling.dimensionless_state(given);
+        let start = self.scaling.units().dimensionless(given);
         let duration = self.scaling.dimensionless_time(seconds);
         match run(start, duration) {
             Ok(motion) => Ok(motion.in_units(self.scaling.units(), seconds)),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::belt::MassOnBelt;
 use crate::error::{Digits, Error, Plain};
 use crate::friction::{FrictionLaw, Scaled};
-use crate::state::{State, Units};
+use crate::state::Units;
 
 #[cfg(feature = "serde")]
 mod read;
@@ -51,7 +51,7 @@ pub struct Physical {
 /// which the normal force would stretch the spring; then γ² = 1.
 ///
 /// The name of a method says what it returns: [`seconds`](Self::seconds) takes a dimensionless
-/// time, and [`dimensionless_time`](Self::dimensionless_time) takes seconds.
+/// time. An energy is a force times a length: `newtons(metres(energy))` joules.
 /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) uses SI units throughout and converts
 /// internally.
 ///
@@ -88,7 +88,7 @@ pub struct Physical {
 /// assert!((scaling.metres(release.displacement) - (8.0 - 0.2) / 5000.0).abs() < 1e-17);
 /// assert_eq!(scaling.metres_per_second(release.velocity), 0.05);
 ///
-/// let motion = system.simulate(State::new(0.0, 0.0), scaling.dimensionless_time(1.0))?;
+/// let motion = system.simulate(State::new(0.0, 0.0), scaling.angular_frequency())?; // 1 s
 /// let milliseconds = 1e3 * scaling.seconds(motion.events()[0].time);
 /// assert!((milliseconds - 15.0966).abs() < 1e-4);
 /// # Ok::<(), stick_slip::Error>(())
@@ -231,7 +231,8 @@ impl Scaling {
             ..
         } = self.physical;
         [
-            self.damping_ratio(damping),
+            // 2√(KM) = 2 M ω0
+            0.5 * damping / self.physical.mass / self.angular_frequency,
             // In this order the load is exactly 1 for L = N/K.
             normal_force / stiffness / self.length,
             belt_velocity / self.velocity_unit(),
@@ -263,8 +264,7 @@ impl Scaling {
     }
 
     /// Dimensionless time τ = ω0 t, from a time t in seconds.
-    #[doc(alias = "time")]
-    pub fn dimensionless_time(&self, seconds: f64) -> f64 {
+    pub(crate) fn dimensionless_time(&self, seconds: f64) -> f64 {
         seconds * self.angular_frequency
     }
 
@@ -273,53 +273,18 @@ impl Scaling {
         displacement * self.length
     }
 
-    /// Dimensionless displacement u = X/L, from a displacement X in metres.
-    #[doc(alias = "displacement")]
-    pub fn dimensionless_displacement(&self, metres: f64) -> f64 {
-        metres / self.length
-    }
-
     /// Velocity X' = ω0 L v in metres per second, from a dimensionless velocity or sliding speed v.
     pub fn metres_per_second(&self, velocity: f64) -> f64 {
         velocity * self.velocity_unit()
     }
 
     /// Dimensionless velocity v = X'/(ω0 L), from a velocity X' in metres per second.
-    #[doc(alias = "velocity")]
-    pub fn dimensionless_velocity(&self, metres_per_second: f64) -> f64 {
+    pub(crate) fn dimensionless_velocity(&self, metres_per_second: f64) -> f64 {
         metres_per_second / self.velocity_unit()
     }
 
-    /// The state (X, X') in metres and metres per second, from a dimensionless state (u, v).
-    ///
-    /// ```
-    /// # use stick_slip::{Physical, Scaling, State};
-    /// # let scaling = Scaling::new(Physical {
-    /// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
-    /// # })?;
-    /// let start = scaling.dimensionless_state((0.001, -0.05)); // m, m/s
-    /// assert_eq!(start, State::new(0.25, -0.25));
-    /// assert_eq!(scaling.physical_state(start), State::new(0.001, -0.05));
-    /// assert_eq!(scaling.dimensionless_velocities(0.05..0.2), 0.25..1.0);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
-    pub fn physical_state(&self, state: State) -> State {
-        State::new(
-            self.metres(state.displacement),
-            self.metres_per_second(state.velocity),
-        )
-    }
-
-    /// The dimensionless state (u, v), from a state (X, X') in metres and metres per second.
-    #[doc(alias = "state")]
-    pub fn dimensionless_state(&self, state: impl Into<State>) -> State {
-        self.units().dimensionless(state.into())
-    }
-
-    /// A range of dimensionless velocities, from a range in metres per second. The searches of
-    /// [`bifurcation`](crate::bifurcation) need such a range.
-    #[doc(alias = "velocities")]
-    pub fn dimensionless_velocities(&self, metres_per_second: Range<f64>) -> Range<f64> {
+    /// A range of dimensionless velocities, from a range in metres per second.
+    pub(crate) fn dimensionless_velocities(&self, metres_per_second: Range<f64>) -> Range<f64> {
         self.dimensionless_velocity(metres_per_second.start)
             ..self.dimensionless_velocity(metres_per_second.end)
     }
@@ -342,63 +307,10 @@ impl Scaling {
         frequency * self.angular_frequency / std::f64::consts::TAU
     }
 
-    /// Dimensionless angular frequency ω = 2πf/ω0, from a frequency f in hertz.
-    #[doc(alias = "frequency")]
-    pub fn dimensionless_frequency(&self, hertz: f64) -> f64 {
-        hertz * std::f64::consts::TAU / self.angular_frequency
-    }
-
     /// Force in newtons: K L times a dimensionless force, for example of
     /// [`MassOnBelt::friction_force`].
     pub fn newtons(&self, force: f64) -> f64 {
         force * self.force_unit()
-    }
-
-    /// Dimensionless force F/(K L), from a force F in newtons.
-    #[doc(alias = "force")]
-    pub fn dimensionless_force(&self, newtons: f64) -> f64 {
-        newtons / self.force_unit()
-    }
-
-    /// Energy in joules: K L² times a dimensionless energy, for example of an
-    /// [`EnergyBudget`](crate::EnergyBudget).
-    ///
-    /// ```
-    /// use stick_slip::{Physical, Scaling, Stribeck, limit_cycle};
-    ///
-    /// let scaling = Scaling::new(Physical {
-    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
-    /// })?;
-    /// // K L² with L = N/K
-    /// assert!((scaling.joules(1.0) - 0.08).abs() < 1e-16);
-    ///
-    /// // The mean power of the drive, from the work of one period.
-    /// let system = scaling.system(Stribeck::new(0.4, 0.25, 0.1, 1)?)?;
-    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// let work = cycle.energy().drive_work;
-    /// let watts = scaling.joules(work) / scaling.seconds(cycle.period());
-    /// assert!((watts - scaling.watts(work / cycle.period())).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
-    pub fn joules(&self, energy: f64) -> f64 {
-        energy * self.force_unit() * self.length
-    }
-
-    /// Dimensionless energy E/(K L²), from an energy E in joules.
-    #[doc(alias = "energy")]
-    pub fn dimensionless_energy(&self, joules: f64) -> f64 {
-        joules / self.force_unit() / self.length
-    }
-
-    /// Power in watts: ω0 K L² times a dimensionless power, such as an energy divided by a period.
-    pub fn watts(&self, power: f64) -> f64 {
-        power * self.force_unit() * self.velocity_unit()
-    }
-
-    /// Dimensionless power P/(ω0 K L²), from a power P in watts.
-    #[doc(alias = "power")]
-    pub fn dimensionless_power(&self, watts: f64) -> f64 {
-        watts / self.force_unit() / self.velocity_unit()
     }
 
     /// Damping constant C = 2β√(K M) in N·s/m, from a damping ratio β.
@@ -409,17 +321,10 @@ impl Scaling {
     /// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
     /// # })?;
     /// assert_eq!(scaling.damping_constant(1.0), 200.0);
-    /// assert_eq!(scaling.damping_ratio(4.0), 0.02);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn damping_constant(&self, damping_ratio: f64) -> f64 {
         2.0 * damping_ratio * self.physical.mass * self.angular_frequency
-    }
-
-    /// Damping ratio β = C/(2√(K M)), dimensionless, from a damping constant C in N·s/m.
-    pub fn damping_ratio(&self, damping_constant: f64) -> f64 {
-        // 2√(KM) = 2 M ω0
-        0.5 * damping_constant / self.physical.mass / self.angular_frequency
     }
 }
 

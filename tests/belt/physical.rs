@@ -23,6 +23,12 @@ fn law() -> Stribeck {
     Stribeck::new(0.4, 0.25, 0.1, 1).unwrap()
 }
 
+/// A range of velocities in m/s in the units of a scaling.
+fn dimensionless(scaling: &Scaling, range: Range<f64>) -> Range<f64> {
+    let unit = scaling.angular_frequency() * scaling.length();
+    range.start / unit..range.end / unit
+}
+
 fn brake() -> PhysicalMassOnBelt<Stribeck> {
     PhysicalMassOnBelt::new(PAD, law()).unwrap()
 }
@@ -129,7 +135,7 @@ fn cycles_and_events_are_those_of_the_dimensionless_system() {
                 Unit::Length => scaling.metres(1.0),
                 Unit::Velocity => scaling.metres_per_second(1.0),
                 Unit::Acceleration => scaling.angular_frequency().powi(2) * scaling.length(),
-                Unit::Energy => scaling.joules(1.0),
+                Unit::Energy => scaling.newtons(scaling.metres(1.0)),
             };
             assert_relative_eq!(number, expected * unit, max_relative = 1e-13);
         }
@@ -184,10 +190,7 @@ fn velocities_and_diagrams_are_in_metres_per_second() {
         bifurcation::grazing_velocities,
     ] {
         let found = brake.velocities(search, 0.01..1.0).unwrap();
-        let bare = search(
-            brake.dimensionless(),
-            scaling.dimensionless_velocities(0.01..1.0),
-        );
+        let bare = search(brake.dimensionless(), dimensionless(scaling, 0.01..1.0));
         let bare = bare.unwrap();
         assert!(!bare.is_empty() && found.len() == bare.len());
         for (found, bare) in found.iter().zip(bare) {
@@ -233,7 +236,7 @@ fn what_silences_the_brake_is_in_si_units() {
     assert_relative_eq!(force, load * PAD.normal_force, max_relative = 1e-14);
 
     let ranges = brake.vibration_ranges(0.01..1.0).unwrap();
-    let bare = bifurcation::vibration_ranges(system, scaling.dimensionless_velocities(0.01..1.0));
+    let bare = bifurcation::vibration_ranges(system, dimensionless(scaling, 0.01..1.0));
     for (si, plain) in ranges.iter().zip(bare.unwrap()) {
         assert_eq!(si.attractors, plain.attractors);
         assert_relative_eq!(si.velocities.end, 0.2 * plain.velocities.end);
@@ -383,16 +386,13 @@ fn frequencies_are_those_of_which_powers_are_numbers() {
         let seconds = brake.scaling().seconds(30.0);
         let start = (1e-3, 0.0);
         let motion = brake.simulate(start, seconds).unwrap();
-        let same = brake.scaling().dimensionless_state(start);
+        let same = (start.0 / brake.scaling().length(), 0.0);
         let same = brake.dimensionless().simulate(same, 30.0).unwrap();
         for part in [0.013, 0.4, 1.0] {
-            let [here, there] = [
-                motion.state_at(part * seconds).unwrap(),
-                brake
-                    .scaling()
-                    .physical_state(same.state_at(part * 30.0).unwrap()),
-            ];
-            assert_relative_eq!(here.displacement, there.displacement, max_relative = 1e-12);
+            let here = motion.state_at(part * seconds).unwrap().displacement;
+            let there = same.state_at(part * 30.0).unwrap().displacement;
+            let there = brake.scaling().metres(there);
+            assert_relative_eq!(here, there, max_relative = 1e-12);
         }
     }
 }
@@ -615,7 +615,10 @@ fn basins_are_those_of_the_dimensionless_system() {
             steady + 1e-4 * f64::from(i % 8),
             0.004 * f64::from(i) - 0.08,
         );
-        let expected = plain.attractor(brake.scaling().dimensionless_state(start));
+        let expected = plain.attractor(State::new(
+            start.displacement / brake.scaling().length(),
+            dimensionless(brake.scaling(), start.velocity..1.0).start,
+        ));
         let found = basins.attractor(start).unwrap();
         assert_eq!(found, brake.attractor(start).unwrap());
         match (found, expected.unwrap()) {
