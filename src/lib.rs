@@ -257,11 +257,10 @@ pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Iwan4, LawFault, Polynomial, Rational, Scaled,
     Stribeck, Tabulated, check_law,
 };
-pub use limit_cycle::{
-    Attractor, Basins, Continuum, CycleKind, CycleSet, EnergyBudget, LimitCycle,
-};
+pub use limit_cycle::{Attractor, Basins, Continuum, CycleKind, CycleSet, LimitCycle};
 pub use motion::{
-    Ended, Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory,
+    AttractorKind, Ended, EnergyBudget, Event, EventKind, Integrator, Mode, Segment, System,
+    SystemState, Trajectory,
 };
 #[cfg(feature = "structures")]
 pub use nalgebra;

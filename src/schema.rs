@@ -58,23 +58,21 @@
 //! | [`Criticality`](crate::bifurcation::Criticality) | `supercritical`, `subcritical`, `degenerate` | yes |
 //! | [`Equilibrium`](crate::Equilibrium) | `displacement`, `effective_damping`, `stability` | no |
 //! | [`LimitCycle`](crate::LimitCycle) | `kind`, `belt_velocity`, `damping`, `multiplier`, `period`, `stick_duration`, `amplitude`, `mean_displacement`, `max_velocity`, `min_velocity`, `energy`, `state` (its start), `events` | no |
-//! | [`EnergyBudget`](crate::EnergyBudget) | `drive_work`, `belt_work`, `damper_loss`, `friction_loss` | no |
 //! | [`CycleSet`](crate::CycleSet) | `cycles`, `continuum`, `unresolved`: a list of `start`, `end` | no |
 //! | [`Continuum`](crate::limit_cycle::Continuum) | `max_amplitude`, `null` for ∞ | no |
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
 //! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
-//! | [`AttractorKind`](crate::bifurcation::AttractorKind) | `equilibrium`, `continuum`, or `cycle` with its kind | no |
 //! | [`structure::Sample`](crate::structure::Sample) | `time`, `state`, `modes`, `accelerations`, `friction`, `loads` | no |
-//! | [`structure::EnergyBudget`](crate::structure::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation` | no |
+//! | [`EnergyBudget`](crate::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation`; lists, or numbers of a cycle of one mass | no |
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
 //! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
 //! | [`Branch`](crate::orbit::Branch) | `points`: a list of maps with the fields `parameter`, `orbit`; `bifurcations`: a list of maps with the fields `parameter`, `kind`, `orbit`; `ends`: a list of two | no |
 //! | [`BifurcationKind`](crate::orbit::BifurcationKind) | `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence` | no |
 //! | [`BranchEnd`](crate::orbit::BranchEnd) | `range`, `closed`, `work`; with the fields of the variant: `hopf`, `grazing`, `discontinuity`, `one_way_slip`, `stopped`, `lost` (its `error` in words) | no |
 //! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: `null` if the attractor is not periodic | no |
-//! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |
+//! | [`AttractorKind`](crate::AttractorKind) | `rest`, `steady_sliding`, `continuum`, `pure_slip`, `stick_slip`, `overshoot`, `crossing`, `irregular` | no |
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |
-//! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `no_system`, `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence`, `discontinuity`, `unknown` | no |
+//! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `no_system`, `discontinuity`, `unknown`, or `bifurcation` with its kind | no |
 //! | [`Sweep`](crate::orbit::Sweep) | `up`, `down`: lists of maps with the fields `parameter`, `attractor`, `error` (in words); `stopped` | no |
 //! | [`orbit::Change`](crate::orbit::Change) | `between`: a list of the two values of the parameter; `from`; `to` | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |

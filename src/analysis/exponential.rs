@@ -7,39 +7,12 @@
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
-use crate::belt::MassOnBelt;
+use crate::belt::{Criticality, MassOnBelt};
 use crate::friction::{Exponential, FrictionLaw};
 use crate::numerics::bracket::root_between;
 
-/// A belt velocity at which steady sliding gains or loses stability, with the type of this
-/// bifurcation.
-///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14: the eigenvalues of steady sliding are imaginary
-/// if 2β + γ²μ̂'(v) = 0, with the damping ratio β, the friction load γ², and the slope μ̂' of the
-/// law at the belt velocity v. The sign of the cubic term −γ²μ̂'''(v)A³/16 of the [averaged
-/// equation](super::averaging) for the amplitude A decides the type.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HopfPoint {
-    velocity: f64,
-    is_supercritical: bool,
-}
-
-impl HopfPoint {
-    /// Speed |v_b| of the belt, dimensionless. Exact.
-    pub fn velocity(&self) -> f64 {
-        self.velocity
-    }
-
-    /// Returns true if the point is supercritical: a small stable cycle exists where steady sliding
-    /// is unstable (μ̂''' > 0, that is |v_b| < √(3/2) v_s, with the Stribeck velocity v_s of the
-    /// law). Otherwise a small unstable cycle exists where steady sliding is stable, and a
-    /// disturbance larger than this cycle leads to a large vibration. Exact.
-    pub fn is_supercritical(&self) -> bool {
-        self.is_supercritical
-    }
-}
-
-/// The two belt velocities v_low < v_high between which steady sliding is unstable. Dimensionless.
+/// The two belt velocities v_low < v_high, dimensionless, between which steady sliding is unstable,
+/// each with the type of the Hopf bifurcation.
 ///
 /// One root v of the following equation lies below v_s/√2, and one above:
 ///
@@ -58,6 +31,11 @@ impl HopfPoint {
 ///
 /// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
+/// A Hopf point is supercritical below √(3/2) v_s, where the third derivative of the law is
+/// positive: a small stable cycle exists where steady sliding is unstable. Above, a small unstable
+/// cycle exists where steady sliding is stable, and a disturbance larger than this cycle leads to a
+/// large vibration.
+///
 /// The Hopf point at v_low is always supercritical. Farshidianfar and Noei Aghaee say that this law
 /// behaves "almost similar" to the polynomial law. This is wrong. The polynomial law rises at
 /// speeds above its minimum, and the exponential law never rises. At the sliding speed 0 the slope
@@ -65,20 +43,22 @@ impl HopfPoint {
 /// steady sliding on a very slow belt is therefore stable with the exponential law and unstable
 /// with the polynomial law.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14; the sign of the cubic term of the
+/// [averaged equation](super::averaging) for the amplitude.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::hopf_velocities;
+/// use stick_slip::bifurcation::Criticality;
 /// use stick_slip::{Exponential, MassOnBelt};
 ///
 /// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
 /// let [low, high] = hopf_velocities(&system).unwrap();
-/// assert!((low.velocity() - 0.0858251835248).abs() < 1e-13);
-/// assert!((high.velocity() - 0.7385534615425).abs() < 1e-13);
-/// assert!(low.is_supercritical() && !high.is_supercritical());
+/// assert!((low.0 - 0.0858251835248).abs() < 1e-13);
+/// assert!((high.0 - 0.7385534615425).abs() < 1e-13);
+/// assert_eq!((low.1, high.1), (Criticality::Supercritical, Criticality::Subcritical));
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2]> {
+pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[(f64, Criticality); 2]> {
     let law = system.law();
     let drop = law.static_coefficient() - law.kinetic_coefficient();
     let c = system.damping() / system.load() / drop * law.stribeck_velocity();
@@ -92,9 +72,13 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
     // x² = ln(x/c) ≤ x + ln(1/c)
     let bound = 0.5 + (0.25 - c.ln()).sqrt();
     let high = root_between(&mut |x| Ok(x * x - (x / c).ln()), FRAC_1_SQRT_2, bound).ok()?;
-    Some([low, high].map(|x| HopfPoint {
-        velocity: x * law.stribeck_velocity(),
-        is_supercritical: x < 1.5_f64.sqrt(),
+    Some([low, high].map(|x| {
+        let criticality = if x < 1.5_f64.sqrt() {
+            Criticality::Supercritical
+        } else {
+            Criticality::Subcritical
+        };
+        (x * law.stribeck_velocity(), criticality)
     }))
 }
 

@@ -15,7 +15,7 @@
 //!
 //! ```
 //! use stick_slip::bifurcation::{self, AttractorKind};
-//! use stick_slip::{CycleKind, MassOnBelt, Polynomial};
+//! use stick_slip::{MassOnBelt, Polynomial};
 //!
 //! let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
 //! let range = 0.01..0.6;
@@ -29,8 +29,8 @@
 //! // The attractors over the whole range.
 //! let ranges = bifurcation::vibration_ranges(&system, range)?;
 //! let attractors: Vec<_> = ranges.iter().map(|range| range.attractors[0]).collect();
-//! let [stick_slip, slip] = [CycleKind::StickSlip, CycleKind::PureSlip].map(AttractorKind::Cycle);
-//! assert_eq!(attractors, [stick_slip, slip, AttractorKind::Equilibrium]);
+//! use AttractorKind::{PureSlip, SteadySliding, StickSlip};
+//! assert_eq!(attractors, [StickSlip, PureSlip, SteadySliding]);
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
@@ -82,6 +82,7 @@ mod ranges;
 mod silence;
 
 pub use crate::belt::Criticality;
+pub use crate::motion::AttractorKind;
 pub use along::{Along, along, along_velocities};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
@@ -94,5 +95,5 @@ pub use grazing::{
 pub use hopf::{criticality, hopf_velocities};
 #[cfg(feature = "orbits")]
 pub use hopf_locus::{HopfLocus, HopfPoint, SpecialHopfPoint, hopf_locus};
-pub use ranges::{AttractorKind, VibrationRange, vibration_ranges};
+pub use ranges::{VibrationRange, vibration_ranges};
 pub use silence::{silencing_damping, silencing_load};

@@ -1,4 +1,3 @@
-use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
 use super::along::{Along, RangeSearch, Work, along_velocities};
@@ -8,7 +7,8 @@ use super::hopf::hopf;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, is_constant_on};
-use crate::limit_cycle::{CycleKind, Tracer, find_moving};
+use crate::limit_cycle::{Tracer, find_moving};
+use crate::motion::AttractorKind;
 use crate::numerics::scan::INTERVALS;
 
 /// The attractors over a range of belt velocities. The result is a list of intervals. Within one
@@ -54,10 +54,10 @@ use crate::numerics::scan::INTERVALS;
 /// let bistable: Vec<_> = ranges.iter().filter(|range| range.is_bistable()).collect();
 /// // Both are stable between the upper Hopf velocity and the fold or grazing that ends stick-slip.
 /// let stick_slip = AttractorKind::Cycle(CycleKind::StickSlip);
-/// assert_eq!(bistable[0].attractors, [AttractorKind::Equilibrium, stick_slip]);
+/// assert_eq!(bistable[0].attractors, [AttractorKind::SteadySliding, stick_slip]);
 /// assert!(bistable[0].velocities.contains(&1.0));
 /// // At larger velocities steady sliding is the only attractor.
-/// assert_eq!(ranges.last().unwrap().attractors, [AttractorKind::Equilibrium]);
+/// assert_eq!(ranges.last().unwrap().attractors, [AttractorKind::SteadySliding]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[doc(alias = "sweep")]
@@ -99,34 +99,7 @@ impl VibrationRange {
     /// cycle. It is also the case if the list of attractors is empty, because a motion can then
     /// grow without bound, or double precision cannot resolve the attractors.
     pub fn vibrates(&self) -> bool {
-        self.attractors != [AttractorKind::Equilibrium]
-    }
-}
-
-/// A kind of motion to which the mass can settle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(rename_all = "snake_case")
-)]
-pub enum AttractorKind {
-    /// Steady sliding, if it is stable.
-    Equilibrium,
-    /// A family of periodic motions about steady sliding. None of them is asymptotically stable: a
-    /// motion that reaches the family is one of its members from that time on.
-    Continuum,
-    /// A stable cycle of this kind.
-    Cycle(CycleKind),
-}
-
-impl Display for AttractorKind {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Equilibrium => f.pad("steady sliding"),
-            Self::Continuum => f.pad("continuum"),
-            Self::Cycle(kind) => kind.fmt(f),
-        }
+        self.attractors != [AttractorKind::SteadySliding]
     }
 }
 
@@ -232,10 +205,10 @@ fn attractors(work: &Work<'_, '_>, value: f64) -> Result<Vec<AttractorKind>, Err
         let is_stable = equilibrium.is_some_and(|equilibrium| equilibrium.is_stable());
         let stable = cycles.stable().map(|cycle| cycle.kind());
         Ok(is_stable
-            .then_some(AttractorKind::Equilibrium)
+            .then_some(AttractorKind::SteadySliding)
             .into_iter()
             .chain(cycles.continuum().map(|_| AttractorKind::Continuum))
-            .chain(stable.map(AttractorKind::Cycle))
+            .chain(stable.map(AttractorKind::from))
             .collect())
     })?;
     Ok(attractors.unwrap_or_default())

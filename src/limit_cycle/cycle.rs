@@ -2,7 +2,7 @@ use super::arc::{Arc, Arrival};
 use crate::belt::{Belt, Landing, Step};
 use crate::clock::Clock;
 use crate::error::Digits;
-use crate::motion::{Ended, EventKind, Mode, Trajectory};
+use crate::motion::{AttractorKind, Ended, EventKind, Mode, Trajectory};
 use crate::state::{Direction, State, Units};
 
 /// Kinds of periodic motion.
@@ -35,6 +35,17 @@ impl std::fmt::Display for CycleKind {
             Self::Overshoot => "overshoot",
             Self::Crossing => "crossing",
         })
+    }
+}
+
+impl From<CycleKind> for AttractorKind {
+    fn from(kind: CycleKind) -> Self {
+        match kind {
+            CycleKind::PureSlip => Self::PureSlip,
+            CycleKind::StickSlip => Self::StickSlip,
+            CycleKind::Overshoot => Self::Overshoot,
+            CycleKind::Crossing => Self::Crossing,
+        }
     }
 }
 

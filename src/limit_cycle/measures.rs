@@ -7,48 +7,11 @@ use num_complex::Complex;
 
 use super::cycle::LimitCycle;
 use crate::belt::Step;
+use crate::motion::EnergyBudget;
 use crate::numerics::gauss::{gauss_fours, gauss_legendre};
 use crate::numerics::power_of_two;
 use crate::series::PowerSeries;
 use crate::state::{State, Units};
-
-/// Energy budget of one period: work and heat, dimensionless.
-///
-/// [`Scaling::joules`](crate::Scaling::joules) converts the numbers to joules. In the formulas v is
-/// the velocity of the mass, v_b that of the belt, v_r = v − v_b, and f the friction force on the
-/// mass; β is the damping ratio, γ² the friction load, and μ̂ the kinetic coefficient.
-///
-/// In every cycle `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss = v_b ∮u
-/// dτ`, with the displacement u and the time τ.
-///
-/// ```
-/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-///
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-/// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-/// let energy = cycle.energy();
-/// assert!((energy.drive_work - 0.393077187566709).abs() < 1e-14);
-/// assert!((energy.damper_loss - 0.023148067314534).abs() < 1e-14);
-/// assert!((energy.friction_loss - 0.369929120252175).abs() < 1e-14);
-/// # Ok::<(), stick_slip::Error>(())
-/// ```
-///
-/// A period ends in the state in which it began. Therefore the damper dissipates the work of
-/// friction on the mass, and the drive supplies both losses. Two of the four numbers are computed
-/// from integrals of u and v²; the other two follow from the equations above.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct EnergyBudget {
-    /// Work of the belt's drive, ∮ f v_b dτ.
-    pub drive_work: f64,
-    /// Work of the friction force on the mass, ∮ f v dτ.
-    pub belt_work: f64,
-    /// Heat in the damper, ∮ 2β v² dτ.
-    pub damper_loss: f64,
-    /// Heat in the contact, ∮ γ² μ̂(|v_r|)·|v_r| dτ.
-    pub friction_loss: f64,
-}
 
 impl LimitCycle {
     /// Complex amplitudes of the first n harmonics of the displacement u, dimensionless: (2/T)∮u
@@ -200,9 +163,13 @@ impl LimitCycle {
         (max - v_b).max(v_b - min)
     }
 
-    /// Work and losses over one period, in dimensionless energy units. At velocities above 10¹⁵³,
-    /// caused by an unsuitable unit of length, a value can overflow to ±∞.
-    pub fn energy(&self) -> EnergyBudget {
+    /// Work and losses over one period, in dimensionless energy units (joules in SI units).
+    ///
+    /// The damper dissipates the work of friction on the mass, and the drive supplies both losses,
+    /// because a period ends in the state in which it began. Two of the numbers are computed from
+    /// integrals of u and v²; the others follow. At velocities above 10¹⁵³, caused by an unsuitable
+    /// unit of length, a value can overflow to ±∞.
+    pub fn energy(&self) -> EnergyBudget<f64> {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
         let Units {
@@ -214,6 +181,11 @@ impl LimitCycle {
         let damper_loss = dissipation * self.integral_of_squared_velocity(unit);
         let in_full = |energy: f64| energy * unit * unit;
         EnergyBudget {
+            stored: 0.0,
+            force_work: 0.0,
+            normal_work: 0.0,
+            element_work: 0.0,
+            circulation: 0.0,
             drive_work: in_full(drive_work),
             belt_work: in_full(damper_loss),
             damper_loss: in_full(damper_loss),

@@ -11,7 +11,7 @@
 // | `continuum.rs` | families of periodic motions |
 // | `set.rs` | `CycleSet`: the nested cycles of a system |
 // | `cycle.rs` | `LimitCycle`, `CycleKind`: arcs joined to one period |
-// | `measures.rs` | extremes, harmonics and energies (`EnergyBudget`) of a cycle |
+// | `measures.rs` | extremes, harmonics and energies of a cycle |
 // | `written.rs` | serialization of cycles (feature `serde`) |
 
 //! Limit cycles of one mass on its belt, found exactly and without transients.
@@ -125,7 +125,6 @@ pub(crate) use continuum::is_frictionless;
 pub use cycle::{CycleKind, LimitCycle};
 pub use find::{find, stick_slip};
 pub(crate) use find::{find_all, find_moving};
-pub use measures::EnergyBudget;
 pub(crate) use peaks::PeakMap;
 pub(crate) use release::Release;
 pub use set::CycleSet;

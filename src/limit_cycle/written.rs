@@ -6,8 +6,8 @@
 
 use serde::{Serialize, Serializer};
 
-use super::{CycleKind, EnergyBudget, LimitCycle};
-use crate::motion::Event;
+use super::{CycleKind, LimitCycle};
+use crate::motion::{EnergyBudget, Event};
 use crate::state::State;
 
 /// The numbers and events of a cycle in their written form.
@@ -23,7 +23,7 @@ pub(super) struct WrittenCycle {
     mean_displacement: f64,
     max_velocity: f64,
     min_velocity: f64,
-    energy: EnergyBudget,
+    energy: EnergyBudget<f64>,
     state: State,
     events: Vec<Event>,
 }

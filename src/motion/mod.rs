@@ -3,12 +3,16 @@
 // | file | what is in it |
 // |---|---|
 // | `integrator.rs` | `Integrator`: tolerance, limits of work, `simulate` and `flow` |
+// | `attractor.rs` | `AttractorKind` |
+// | `energy.rs` | `EnergyBudget`: work and heat of a motion |
 // | `event.rs` | `Event`, `EventKind`, `Mode`; the mode after each kind of event |
 // | `step_control.rs` | step sizes, accepted defects, the limit of stiffness |
 // | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
 // | `trajectory.rs` | `Trajectory`: a motion over a finite time, and why it ended (`Ended`) |
 // | `first_zero.rs` | the first zero of a user's function in a step |
 
+mod attractor;
+mod energy;
 mod event;
 mod first_zero;
 mod integrator;
@@ -16,6 +20,8 @@ mod run;
 pub(crate) mod step_control;
 mod trajectory;
 
+pub use attractor::AttractorKind;
+pub use energy::EnergyBudget;
 pub use event::{Event, EventKind, Mode};
 pub use integrator::Integrator;
 pub(crate) use integrator::{Steps, Stop, trajectory};

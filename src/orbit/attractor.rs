@@ -1,7 +1,6 @@
 //! The attractor that a motion reaches.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::fmt;
 use std::ops::ControlFlow;
 
 use nalgebra::DVector;
@@ -16,7 +15,7 @@ use super::translation::Turning;
 use super::trial::TrialMotion;
 use crate::error::{Error, Reached};
 use crate::motion::sealed::State as _;
-use crate::motion::{EventKind, Integrator, Mode, Segment, SystemState};
+use crate::motion::{AttractorKind, EventKind, Integrator, Mode, Segment, SystemState};
 use crate::search::Search;
 use crate::state::Direction;
 use crate::state::structure::State;
@@ -41,39 +40,6 @@ pub enum Attractor<S: SystemState> {
     /// returns. The motion is chaotic or quasi-periodic, or a transient decays very slowly.
     /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
-}
-
-/// A kind of [`Attractor`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(rename_all = "snake_case")
-)]
-#[non_exhaustive]
-pub enum AttractorKind {
-    /// [`Attractor::Rest`].
-    Rest,
-    /// [`Attractor::SteadySliding`].
-    SteadySliding,
-    /// [`Attractor::PureSlip`].
-    PureSlip,
-    /// [`Attractor::StickSlip`].
-    StickSlip,
-    /// [`Attractor::Irregular`].
-    Irregular,
-}
-
-impl fmt::Display for AttractorKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Rest => "rest",
-            Self::SteadySliding => "steady sliding",
-            Self::PureSlip => "pure slip",
-            Self::StickSlip => "stick-slip",
-            Self::Irregular => "irregular",
-        })
-    }
 }
 
 impl<S: SystemState> Attractor<S> {

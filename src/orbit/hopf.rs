@@ -7,7 +7,6 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::attractor::AttractorKind;
 use super::branch::BranchPoint;
 use super::curve::Curve;
 use super::form::GeneralForm;
@@ -19,6 +18,7 @@ use super::translation::Turning;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::error::Error;
+use crate::motion::AttractorKind;
 use crate::numerics::bracket::{Bracket, border};
 use crate::numerics::eigenvalues::balance;
 use crate::numerics::trace::Plane;

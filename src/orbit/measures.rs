@@ -7,11 +7,11 @@ use nalgebra::DVector;
 
 use super::form::GeneralForm;
 use crate::clock::Clock;
-use crate::motion::{Mode, Segment};
+use crate::motion::{EnergyBudget, Mode, Segment};
 use crate::numerics::gauss::gauss_nodes;
 use crate::numerics::power_of_two;
 use crate::series::PowerSeries;
-use crate::structure::{EnergyBudget, Step};
+use crate::structure::Step;
 
 /// Measures taken once a motion is found.
 #[derive(Debug, Clone)]

@@ -241,7 +241,7 @@ mod walk;
 mod written;
 
 pub use crate::belt::Criticality;
-pub use attractor::{Attractor, AttractorKind, classify};
+pub use attractor::{Attractor, classify};
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 pub use follow::follow;
 pub use hopf::begin;
@@ -261,4 +261,5 @@ pub use shoot::{settle, shoot};
 pub use sweep::{Change, Sweep, SweepPoint, sweep};
 
 pub use crate::error::NotDifferentiable;
+pub use crate::motion::AttractorKind;
 pub use crate::search::{Progress, Search};

@@ -5,11 +5,11 @@ use super::map::PeriodMap;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::motion::{Ended, System, Trajectory, sealed};
+use crate::motion::{Ended, EnergyBudget, System, Trajectory, sealed};
 use crate::state::structure;
 use crate::structure::engine::model::Model;
 use crate::structure::engine::sparse::Sparse;
-use crate::structure::{Energies, EnergyBudget, Structure};
+use crate::structure::{Energies, Structure};
 
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. The trait is
 /// sealed, like [`System`].

@@ -14,12 +14,11 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::trial::TrialMotion;
 use crate::error::Error;
-use crate::motion::{Event, Segment, SystemState, Trajectory};
+use crate::motion::{EnergyBudget, Event, Segment, SystemState, Trajectory};
 use crate::numerics::gauss::gauss_legendre;
 use crate::numerics::power_of_two;
 use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
-use crate::structure::EnergyBudget;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
 ///

@@ -1,10 +1,10 @@
 //! A sweep of a parameter up and down: each motion starts from the end of the motion before.
 
-use super::attractor::{Attractor, AttractorKind, settled};
+use super::attractor::{Attractor, settled};
 use super::oscillator::Oscillator;
 use crate::error::Error;
-use crate::motion::SystemState;
 use crate::motion::sealed::State as _;
+use crate::motion::{AttractorKind, SystemState};
 use crate::search::Search;
 use crate::state::structure::State;
 

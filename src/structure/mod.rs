@@ -141,7 +141,6 @@ mod system;
 
 pub use contact::Contact;
 pub(crate) use energy::Energies;
-pub use energy::EnergyBudget;
 pub use flow::Flow;
 pub use force_element::ForceElement;
 pub use sample::Sample;

@@ -57,7 +57,7 @@ fn types_have_the_common_traits() {
     small::<Event>();
     small::<Step>();
     small::<Integrator>();
-    small::<EnergyBudget>();
+    small::<EnergyBudget<f64>>();
     small::<Continuum>();
     small::<PureSlip>();
     small::<PureSlipCycle>();

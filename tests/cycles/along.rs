@@ -14,8 +14,8 @@ use stick_slip::bifurcation::{
 };
 use stick_slip::limit_cycle;
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
-    Search, State, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Search,
+    State, Stribeck, Tabulated,
 };
 
 fn exponential(v_b: f64, damping: f64) -> MassOnBelt<Exponential> {
@@ -250,10 +250,8 @@ fn a_search_that_is_stopped_keeps_what_it_has_found() {
 fn attractors<L: FrictionLaw>(system: &MassOnBelt<L>) -> Vec<AttractorKind> {
     let cycles = limit_cycle::find(system).unwrap();
     let stable = system.equilibrium().unwrap().is_stable();
-    let stable = stable.then_some(AttractorKind::Equilibrium);
-    let cycles = cycles
-        .stable()
-        .map(|cycle| AttractorKind::Cycle(cycle.kind()));
+    let stable = stable.then_some(AttractorKind::SteadySliding);
+    let cycles = cycles.stable().map(|cycle| cycle.kind().into());
     stable.into_iter().chain(cycles).collect()
 }
 
@@ -305,10 +303,7 @@ fn ranges_of_both_signs_meet_where_the_belt_stands_still() {
     }
     let bistable = ranges.iter().filter(|range| range.is_bistable()).count();
     assert!(bistable >= 2);
-    let stick_slip = [
-        AttractorKind::Equilibrium,
-        AttractorKind::Cycle(CycleKind::StickSlip),
-    ];
+    let stick_slip = [AttractorKind::SteadySliding, AttractorKind::StickSlip];
     assert!(
         ranges
             .iter()
@@ -317,10 +312,7 @@ fn ranges_of_both_signs_meet_where_the_belt_stands_still() {
     // Without damping constant friction lets a family of motions go on.
     let law = Coulomb::new(0.4, 0.25).unwrap();
     let ranges = vibration_ranges(&MassOnBelt::new(law, 1.0).unwrap(), 0.1..1.0).unwrap();
-    let expected = [
-        AttractorKind::Continuum,
-        AttractorKind::Cycle(CycleKind::StickSlip),
-    ];
+    let expected = [AttractorKind::Continuum, AttractorKind::StickSlip];
     assert_eq!(
         (ranges.len(), &ranges[0].attractors[..]),
         (1, &expected[..])
@@ -349,9 +341,9 @@ fn a_pure_slip_cycle_appears_where_it_touches_the_belt() {
     let [touching, grazing, fold] = [search.touching(), search.grazing(), search.folds()].map(one);
     assert_close(touching, 0.2075906307784728, 1e-12);
     let [equilibrium, slip, stick] = [
-        AttractorKind::Equilibrium,
-        AttractorKind::Cycle(CycleKind::PureSlip),
-        AttractorKind::Cycle(CycleKind::StickSlip),
+        AttractorKind::SteadySliding,
+        AttractorKind::PureSlip,
+        AttractorKind::StickSlip,
     ];
     let expected = [
         (0.02..touching, vec![equilibrium, stick]),
@@ -385,12 +377,12 @@ fn a_range_that_begins_with_an_unresolved_cycle_is_found() {
         cycles.len()
     };
     let ranges = vibration_ranges(&system, 0.03..0.7).unwrap();
-    let [slip, stick] = [CycleKind::PureSlip, CycleKind::StickSlip].map(AttractorKind::Cycle);
+    let (slip, stick) = (AttractorKind::PureSlip, AttractorKind::StickSlip);
     let attractors: Vec<_> = ranges.iter().map(|range| &range.attractors[..]).collect();
     let expected: [&[AttractorKind]; 3] = [
         &[stick],
         &[slip, stick],
-        &[AttractorKind::Equilibrium, stick],
+        &[AttractorKind::SteadySliding, stick],
     ];
     assert_eq!(attractors, expected);
     let Range { start, end } = ranges[1].velocities;
@@ -417,10 +409,7 @@ fn no_range_is_as_narrow_as_rounding() {
     let loads = along(|load| damped.clone().with_load(load), 0.0759..3.04);
     let undamped = on_belt(table(points), 0.10629278313278144, 0.0, 0.03671787832311661);
     let dampings = along(|damping| undamped.clone().with_damping(damping), 0.0..0.15);
-    let [stick, slide] = [
-        AttractorKind::Cycle(CycleKind::StickSlip),
-        AttractorKind::Equilibrium,
-    ];
+    let [stick, slide] = [AttractorKind::StickSlip, AttractorKind::SteadySliding];
     for (search, expected) in [(loads, [slide, stick]), (dampings, [stick, slide])] {
         let ranges = search.vibration_ranges().unwrap();
         let found: Vec<_> = ranges.iter().map(|range| &range.attractors[..]).collect();
@@ -462,16 +451,15 @@ fn borders_that_are_close_are_looked_between() {
     assert!(0.9 * silent < crossing && crossing < overshoot && overshoot < grazing);
     let ranges = search(0.15).vibration_ranges().unwrap();
     let expected = [
-        (0.0, Some(CycleKind::Crossing)),
-        (crossing, Some(CycleKind::Overshoot)),
-        (overshoot, Some(CycleKind::StickSlip)),
+        (0.0, Some(AttractorKind::Crossing)),
+        (crossing, Some(AttractorKind::Overshoot)),
+        (overshoot, Some(AttractorKind::StickSlip)),
         (grazing, None),
     ];
     assert_eq!(ranges.len(), expected.len(), "{ranges:?}");
     for (range, (start, kind)) in std::iter::zip(ranges, expected) {
         assert_close(range.velocities.start, start, 1e-9);
-        let kind = kind.map(AttractorKind::Cycle);
-        let attractors: Vec<_> = [AttractorKind::Equilibrium]
+        let attractors: Vec<_> = [AttractorKind::SteadySliding]
             .into_iter()
             .chain(kind)
             .collect();

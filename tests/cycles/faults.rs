@@ -171,7 +171,7 @@ fn a_continuum_begins_where_the_belt_passes_a_breakpoint() {
         panic!("{ranges:?}")
     };
     assert_abs_diff_eq!(below.velocities.end, 0.7, epsilon = 1e-11);
-    assert_eq!(below.attractors[0], AttractorKind::Equilibrium);
+    assert_eq!(below.attractors[0], AttractorKind::SteadySliding);
     assert_eq!(beyond.attractors[0], AttractorKind::Continuum);
     for excess in [1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 0.2] {
         let system = system.with_belt_velocity(0.7 + excess).unwrap();

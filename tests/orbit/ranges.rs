@@ -4,14 +4,15 @@ use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
 
 use approx::assert_abs_diff_eq;
-use stick_slip::bifurcation::{self, AttractorKind as OfBelt};
+use stick_slip::bifurcation;
 use stick_slip::orbit::{
-    self, AttractorKind, Border, BranchEnd, Search, VibrationRanges, classify, vibration_ranges,
+    self, AttractorKind, BifurcationKind, Border, BranchEnd, Search, VibrationRanges, classify,
+    vibration_ranges,
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, CycleKind, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck,
-    Structure, SystemState,
+    Contact, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck, Structure,
+    SystemState,
 };
 
 use crate::common::count;
@@ -32,10 +33,9 @@ fn of_belt<L: FrictionLaw>(
     let mut found: Vec<(f64, Vec<AttractorKind>)> = Vec::new();
     for range in ranges {
         let kinds = range.attractors.iter().map(|kind| match kind {
-            OfBelt::Equilibrium => AttractorKind::SteadySliding,
-            OfBelt::Cycle(CycleKind::PureSlip | CycleKind::Crossing) => AttractorKind::PureSlip,
-            OfBelt::Cycle(_) => AttractorKind::StickSlip,
-            other => panic!("{other:?}"),
+            AttractorKind::Crossing => AttractorKind::PureSlip,
+            AttractorKind::Overshoot => AttractorKind::StickSlip,
+            other => *other,
         });
         let mut kinds: Vec<_> = kinds.collect();
         kinds.sort();
@@ -153,7 +153,13 @@ fn a_fold_and_a_grazing_side_by_side_bound_a_range() {
         &[StickSlip],
     ];
     assert_eq!(kinds.collect::<Vec<_>>(), expected);
-    assert_eq!(found.ranges[1].borders, [Border::Fold, Border::Grazing]);
+    assert_eq!(
+        found.ranges[1].borders,
+        [
+            Border::Bifurcation(BifurcationKind::Fold),
+            Border::Bifurcation(BifurcationKind::Grazing)
+        ]
+    );
     let [branch] = &found.branches[..] else {
         panic!("{} branches", found.branches.len());
     };
@@ -184,8 +190,17 @@ fn hysteresis_of_a_drill_string_is_reported() {
     ];
     assert_eq!(kinds, expected);
     let borders: Vec<_> = found.ranges.iter().map(|range| range.borders).collect();
-    assert_eq!(borders[1], [Border::Fold, Border::Grazing]);
-    assert_eq!(borders[2], [Border::Grazing, Border::Hopf]);
+    assert_eq!(
+        borders[1],
+        [
+            Border::Bifurcation(BifurcationKind::Fold),
+            Border::Bifurcation(BifurcationKind::Grazing)
+        ]
+    );
+    assert_eq!(
+        borders[2],
+        [Border::Bifurcation(BifurcationKind::Grazing), Border::Hopf]
+    );
     let [fold, grazing, limit] = [1, 2, 3].map(|i: usize| found.ranges[i].parameters.start);
     // The limit of steady sliding, from its eigenvalues.
     let growth = |load: f64| string(load).unwrap().steady_sliding().unwrap().eigenvalues[0].re;

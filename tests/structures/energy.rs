@@ -2,8 +2,9 @@
 //! Newton's equation.
 
 use serde_json::Value;
+use stick_slip::EnergyBudget;
 use stick_slip::nalgebra::DVector;
-use stick_slip::structure::{EnergyBudget, State};
+use stick_slip::structure::State;
 use stick_slip::{
     AnyContactLaw, Contact, Coulomb, Dahl, Drive, Error, Exponential, LuGre, Mode, Segment,
     Structure, Trajectory,

@@ -3,10 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::super::attractor::AttractorKind;
 use super::super::branch::{BifurcationKind, Branch};
 use super::super::sweep::Sweep;
-use crate::motion::SystemState;
+use crate::motion::{AttractorKind, SystemState};
 
 /// The attractors of a system over a range of a parameter: see
 /// [`vibration_ranges`](super::vibration_ranges()).
@@ -77,20 +76,11 @@ pub enum Border {
     NoSteadySliding,
     /// The function `family` returns an error on the other side of this end.
     NoSystem,
-    /// A periodic motion reaches a fold: it meets an unstable motion, and both vanish.
-    Fold,
-    /// A multiplier of a periodic motion is −1: see [`BifurcationKind::Flip`].
-    Flip,
-    /// A symmetric motion becomes unstable: see [`BifurcationKind::Pitchfork`].
-    Pitchfork,
-    /// A pair of multipliers of a periodic motion passes the unit circle.
-    NeimarkSacker,
-    /// An event of a periodic motion becomes tangential. Either the motion meets another motion and
-    /// both vanish, or the motion changes its kind or its stability. A branch that ends with
-    /// [`BranchEnd::OneWaySlip`](super::super::BranchEnd::OneWaySlip) has this border, too.
-    Grazing,
-    /// A periodic motion changes its sequence of events, and also its kind or its stability.
-    Sequence,
+    /// A periodic motion has a bifurcation at which its kind or its stability changes, or at which
+    /// it vanishes. A branch that ends with [`BranchEnd::Grazing`](super::super::BranchEnd::Grazing)
+    /// or [`BranchEnd::OneWaySlip`](super::super::BranchEnd::OneWaySlip) has the border
+    /// [`BifurcationKind::Grazing`].
+    Bifurcation(BifurcationKind),
     /// A periodic motion jumps: see
     /// [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).
     Discontinuity,
@@ -107,27 +97,9 @@ impl fmt::Display for Border {
             Self::Divergence => "divergence",
             Self::NoSteadySliding => "no steady sliding",
             Self::NoSystem => "no system",
-            Self::Fold => "fold",
-            Self::Flip => "flip",
-            Self::Pitchfork => "pitchfork",
-            Self::NeimarkSacker => "Neimark-Sacker",
-            Self::Grazing => "grazing",
-            Self::Sequence => "change of events",
+            Self::Bifurcation(kind) => kind.name(),
             Self::Discontinuity => "discontinuity",
             Self::Unknown => "unknown",
         })
-    }
-}
-
-impl From<BifurcationKind> for Border {
-    fn from(kind: BifurcationKind) -> Self {
-        match kind {
-            BifurcationKind::Fold => Self::Fold,
-            BifurcationKind::Flip => Self::Flip,
-            BifurcationKind::Pitchfork => Self::Pitchfork,
-            BifurcationKind::NeimarkSacker => Self::NeimarkSacker,
-            BifurcationKind::Grazing => Self::Grazing,
-            BifurcationKind::Sequence => Self::Sequence,
-        }
     }
 }

@@ -8,15 +8,15 @@ use std::ops::Range;
 
 pub use self::found::{Border, VibrationRange, VibrationRanges};
 use self::motions::{extent, is_on, is_one, is_same};
-use super::attractor::{Attractor, AttractorKind, kind_of};
-use super::branch::{Branch, BranchEnd};
+use super::attractor::{Attractor, kind_of};
+use super::branch::{BifurcationKind, Branch, BranchEnd};
 use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};
 use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
 use super::sweep::{Sweep, SweepPoint};
 use crate::error::Error;
-use crate::motion::SystemState;
 use crate::motion::sealed::State as _;
+use crate::motion::{AttractorKind, SystemState};
 use crate::numerics::bracket::border;
 use crate::numerics::sort::sort_by;
 use crate::search::Search;
@@ -84,7 +84,7 @@ const SMALL: f64 = 1e-3;
 /// [`Structure::steady_sliding_at`]: crate::Structure::steady_sliding_at
 ///
 /// ```
-/// use stick_slip::orbit::{self, AttractorKind, Border};
+/// use stick_slip::orbit::{self, AttractorKind, BifurcationKind, Border};
 /// use stick_slip::{Contact, Error, Exponential, Structure};
 ///
 /// // A mass on a belt, over the velocity of the belt.
@@ -102,8 +102,9 @@ const SMALL: f64 = 1e-3;
 /// assert_eq!(sticks.attractors, [AttractorKind::SteadySliding, AttractorKind::StickSlip]);
 /// assert_eq!(slips.attractors, [AttractorKind::SteadySliding, AttractorKind::PureSlip]);
 /// assert_eq!(quiet.attractors, [AttractorKind::SteadySliding]);
-/// assert_eq!(sticks.borders, [Border::Hopf, Border::Grazing]);
-/// assert_eq!(slips.borders, [Border::Grazing, Border::Fold]);
+/// let [grazing, fold] = [BifurcationKind::Grazing, BifurcationKind::Fold].map(Border::Bifurcation);
+/// assert_eq!(sticks.borders, [Border::Hopf, grazing]);
+/// assert_eq!(slips.borders, [grazing, fold]);
 /// assert!((sticks.parameters.start - 0.738553461542470176).abs() < 1e-14);
 /// assert!((slips.parameters.end - 0.81909955091672).abs() < 1e-12);
 /// # Ok::<(), stick_slip::Error>(())
@@ -234,7 +235,7 @@ impl Search<'_> {
                 (known.hopf(*parameter).unwrap_or(*parameter), Border::Hopf)
             }
             BranchEnd::Grazing { parameter } | BranchEnd::OneWaySlip { parameter, .. } => {
-                (*parameter, Border::Grazing)
+                (*parameter, Border::Bifurcation(BifurcationKind::Grazing))
             }
             BranchEnd::Discontinuity { parameter, .. } => (*parameter, Border::Discontinuity),
             BranchEnd::Lost { parameter, .. } => match known.end_of_systems(*parameter) {
@@ -252,7 +253,7 @@ impl Search<'_> {
             let hopf = known.hopf(found.parameter);
             let border = match hopf.filter(|_| extent(&found.orbit) <= SMALL * largest) {
                 Some(hopf) => (hopf, Border::Hopf),
-                None => (found.parameter, Border::from(found.kind)),
+                None => (found.parameter, Border::Bifurcation(found.kind)),
             };
             (found.behind + 1, border, Some(found))
         }));

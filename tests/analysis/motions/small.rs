@@ -173,7 +173,7 @@ fn hopf_velocities() {
             let system = bare.with_damping(damping).unwrap();
             let [low, high] = exponential::hopf_velocities(&system)
                 .unwrap()
-                .map(|p| p.velocity());
+                .map(|(velocity, _)| velocity);
             for (hopf, grow) in [(low, [false, true]), (high, [true, false])] {
                 for (velocity, grow) in beyond(hopf).into_iter().zip(grow) {
                     grows(
