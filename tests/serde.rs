@@ -13,6 +13,8 @@ use stick_slip::{
     Tabulated, TabulatedForce, VanDerPol, limit_cycle, structure,
 };
 
+use stick_slip_tests_common::one_mass;
+
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
     value: &T,
 ) -> String {
@@ -901,10 +903,8 @@ fn samples_orbits_branches_and_sweeps_are_written() {
     use stick_slip::orbit::{self, Period};
     let family = |belt: f64| {
         let law = Coulomb::new(0.4, 0.25)?;
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.05)?
-            .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))
+        let contact = Contact::new(0, law, 1.0)?.on_belt(belt);
+        one_mass([1.0, 0.05, 1.0], 0.0, contact)
     };
     let system = family(0.1).unwrap();
     let start = structure::State::at_rest(1);

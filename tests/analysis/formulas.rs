@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Ends, Leine, Table, json, list, number, on_belt, paper, text};
+use crate::common::{Ends, Leine, Table, assert_met, json, list, number, on_belt, paper, text};
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
@@ -44,11 +44,7 @@ fn polynomial(case: &Value) -> MassOnBelt<Polynomial> {
 }
 
 fn check(id: &str, name: &str, value: f64, expected: f64) {
-    let error = (value - expected).abs() / expected.abs().max(1.0);
-    assert!(
-        error <= 1e-13,
-        "{id}: {name} = {value}, expected {expected}"
-    );
+    assert_met(&format!("{id}: {name}"), value, expected, 1e-13);
 }
 
 /// Checks every predicted value of a case, none left out.

@@ -2,7 +2,7 @@
 //! exact motions.
 
 use crate::common::polynomials::{Polynomials, coefficients};
-use crate::common::{on_belt, paper};
+use crate::common::{exactly, on_belt, paper};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
@@ -217,9 +217,7 @@ fn numerics_v_b0_is_where_the_exact_cycle_grazes_the_belt() {
     let printed = (4.0_f64 / 3.0).sqrt() * v_b1;
     assert!(printed > v_b1);
     let grazing = bifurcation::grazing_velocities(&paper(0.4), 0.01..1.2 * printed).unwrap();
-    let [exact] = grazing[..] else {
-        panic!("{grazing:?}")
-    };
+    let [&exact] = exactly(&grazing);
     assert!(
         exact < v_b1,
         "the cycle touches the belt below the onset, and nowhere above"

@@ -1,9 +1,9 @@
 //! A law looked at before it is used: every fault is found where it lies, and the crate's own laws
 //! have none.
 
-use crate::common::count;
 use crate::common::polynomials::Polynomials;
 use crate::common::property::for_all;
+use crate::common::{count, refused};
 use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use stick_slip::{
@@ -290,8 +290,7 @@ fn faults_say_what_to_do() {
 
 #[test]
 fn a_law_that_no_system_takes_is_refused() {
-    let found = check_law(&polynomial(&[0.5]), 0.0..1.0);
-    assert!(matches!(found, Err(Error::StaticBelowKinetic { .. })));
+    refused!(check_law(&polynomial(&[0.5]), 0.0..1.0) => Error::StaticBelowKinetic { .. });
 }
 
 /// Every law of the crate, of any size: static coefficient and a part of it, exponent of ten of a

@@ -7,7 +7,7 @@ use approx::assert_abs_diff_eq;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::common::simple::{Seen, Simple, told};
-use crate::common::{Decay, Leine, Random, Table, count, on_belt, paper, ulp};
+use crate::common::{Decay, Leine, Random, Table, count, exactly, on_belt, paper, ulp};
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator,
     MassOnBelt, Mode, Polynomial, Scalar, Segment, State, Step, Trajectory,
@@ -191,9 +191,7 @@ fn promise_2_shallow_grazing_contacts_are_found() {
         let system = paper(GRAZING - d);
         let start = system.release_state().unwrap();
         let motion = system.simulate(start, 7.0).unwrap();
-        let [first, stick, release] = *motion.events() else {
-            panic!("d = {d:e}: {:?}", motion.events())
-        };
+        let [&first, &stick, &release] = exactly(motion.events());
         assert_eq!(first.time, 0.0);
         assert_eq!(stick.kind, EventKind::Stick, "d = {d:e}");
         assert_eq!(
@@ -277,18 +275,14 @@ fn promise_3_phase_starts_need_no_epsilon() {
             "v_b = 2^{exponent}: {:?}",
             events.events()
         );
-        let [_, slip] = steps(&system, system.release_state().unwrap(), 2)[..] else {
-            panic!()
-        };
+        let [_, &slip] = exactly(&steps(&system, system.release_state().unwrap(), 2));
         let t = 2.0_f64.powi(-20);
         let relative = (slip.state_at(t).velocity - v_b) / v_b;
         assert_within("-t²/2", relative, -0.5 * t * t, 4.0 * EPS + t * t * t);
     }
     // μ̂(0) < μ_s: v_r = −γ²(μ_s − μ_k) τ + ….
     let jump = on_belt(Coulomb::new(0.4, 0.25).unwrap(), 1e-3, 0.0, 2.0);
-    let [stick, slip] = steps(&jump, jump.release_state().unwrap(), 2)[..] else {
-        panic!()
-    };
+    let [&stick, &slip] = exactly(&steps(&jump, jump.release_state().unwrap(), 2));
     assert_eq!((stick.mode(), stick.duration()), (Mode::Stick, 0.0));
     let t = 2.0_f64.powi(-30);
     assert_within("-0.3 t", (slip.state_at(t).velocity - 1e-3) / t, -0.3, 1e-9);

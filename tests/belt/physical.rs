@@ -11,6 +11,8 @@ use stick_slip::{
     Tabulated, bifurcation, limit_cycle, structure,
 };
 
+use crate::common::refused;
+
 const PAD: Physical = Physical {
     mass: 2.0,
     stiffness: 5000.0,
@@ -277,8 +279,7 @@ fn errors_are_in_si_units() {
             ..PAD
         },
     ] {
-        let refused = PhysicalMassOnBelt::new(wrong, law_of(0.4));
-        assert!(matches!(refused, Err(Error::InvalidParameter { .. })));
+        refused!(PhysicalMassOnBelt::new(wrong, law_of(0.4)) => Error::InvalidParameter { .. });
     }
 }
 

@@ -12,6 +12,8 @@ use stick_slip::{
     Rational, Scaled, Scaling, State, Stribeck, Tabulated, Trajectory,
 };
 
+use crate::common::refused;
+
 /// A brake pad: 0.5 kg, 20 kN/m (32 Hz), 50 N, 3 cm/s.
 const PAD: Physical = Physical {
     mass: 0.5,
@@ -177,11 +179,7 @@ fn a_scaling_keeps_its_numbers_normal() {
         ..PAD
     };
     for physical in [light, damped] {
-        let refused = Scaling::new(physical);
-        assert!(matches!(
-            refused,
-            Err(Error::InvalidParameter { name: "length", .. })
-        ));
+        refused!(Scaling::new(physical) => Error::InvalidParameter { name: "length", .. });
     }
 }
 

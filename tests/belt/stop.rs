@@ -7,8 +7,8 @@ use stick_slip::{
     structure,
 };
 
-use super::common::paper;
 use super::common::polynomials::Polynomials;
+use super::common::{one_mass, paper, refused};
 
 const START: State = State::new(0.0, 0.0);
 
@@ -156,8 +156,8 @@ fn odd_answers_are_put_into_the_step() {
         .unwrap();
     assert_eq!((none.duration(), none.ended()), (0.0, &Ended::Duration));
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        let refused = Integrator::new().simulate_until(&system, START, bad, |_| None);
-        assert!(matches!(refused, Err(Error::InvalidDuration { .. })));
+        let found = Integrator::new().simulate_until(&system, START, bad, |_| None);
+        refused!(found => Error::InvalidDuration { .. });
     }
 }
 
@@ -201,21 +201,13 @@ fn samples_at_a_rate_hold_the_phase() {
         }
     }
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(
-            motion.sample_every(bad),
-            Err(Error::InvalidParameter { .. })
-        ));
+        refused!(motion.sample_every(bad) => Error::InvalidParameter { .. });
     }
     // From another start time on.
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0)
         .unwrap()
         .on_belt(0.1);
-    let structure = Structure::new(&[1.0])
-        .unwrap()
-        .with_ground_spring(0, 1.0)
-        .unwrap()
-        .with_contact(contact)
-        .unwrap();
+    let structure = one_mass([1.0, 0.0, 1.0], 0.0, contact).unwrap();
     let later = Integrator::new().with_start_time(3.0).unwrap();
     let motion = later
         .simulate(&structure, structure::State::at_rest(1), 10.0)

@@ -164,8 +164,8 @@ impl Random {
                     points.push((x + step, force + rise * k * step));
                 }
                 let table = match kind {
-                    6 => TabulatedAnyForce::new(&points),
-                    _ => TabulatedAnyForce::piecewise_linear(&points),
+                    6 => TabulatedForce::new(&points),
+                    _ => TabulatedForce::piecewise_linear(&points),
                 };
                 AnyForce::Table(table.unwrap())
             }

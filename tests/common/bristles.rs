@@ -7,8 +7,8 @@ use stick_slip::{
     Slip, Stribeck, Structure,
 };
 
-use crate::Random;
 use crate::radau::{Matrix, STAGES, solve, weights};
+use crate::{Random, one_mass};
 
 /// LuGre's bristles in plain numbers, with a damping that fades with speed and a bump in g if one
 /// likes:
@@ -395,11 +395,7 @@ impl Block {
 
     pub fn structure<L: ContactLaw + Send + Sync + 'static>(&self, law: L) -> Structure {
         let contact = Contact::new(0, law, self.load).unwrap().on_belt(self.belt);
-        Structure::new(&[self.mass])
-            .and_then(|s| s.with_ground_spring(0, self.spring))
-            .and_then(|s| s.with_ground_damper(0, self.damper))
-            .and_then(|s| s.with_contact(contact))
-            .unwrap()
+        one_mass([self.mass, self.damper, self.spring], 0.0, contact).unwrap()
     }
 
     /// Steps, crossings, and q, v, z at equal times.

@@ -7,6 +7,7 @@ pub mod any;
 pub mod any_force;
 pub mod bristles;
 pub mod forces;
+pub mod masses;
 pub mod naive;
 pub mod orbit;
 pub mod plain;
@@ -16,17 +17,20 @@ pub mod radau;
 pub mod reading;
 pub mod simple;
 pub mod work;
+pub mod worst;
 
 use std::cell::Cell;
+use std::fmt::Debug;
 use std::path::Path;
 
 use serde_json::Value;
-use stick_slip::analysis::dwell::DwellOscillator;
-use stick_slip::analysis::forced::ForcedOscillator;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Direction, Drive, EventKind, Exponential, FrictionLaw, LimitCycle,
-    MassOnBelt, Polynomial, Scalar, State, Structure,
+    AnyLaw, Coulomb, Direction, Error, EventKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt,
+    Polynomial, Scalar, State,
 };
+
+pub use crate::masses::{dwelling, forced, on_belt, one_mass, oscillator, paper};
+pub use crate::worst::{Worst, assert_met};
 
 /// Reads JSON, by code that is compiled in `serde_json` and not once more in each program.
 pub fn json(text: &str) -> Value {
@@ -51,6 +55,35 @@ pub fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap()
 }
 
+/// What a result holds that is the error of a pattern.
+#[macro_export]
+macro_rules! refused {
+    ($found:expr => $error:pat) => {
+        $crate::refused!($found => $error, ())
+    };
+    ($found:expr => $error:pat, $held:expr) => {
+        match $found {
+            Err($error) => $held,
+            Err(other) => panic!("{other:?}"),
+            Ok(_) => panic!("no error"),
+        }
+    };
+}
+
+/// All of them, if they are as many as asked for.
+#[track_caller]
+pub fn exactly<T: Debug, const N: usize>(found: &[T]) -> [&T; N] {
+    assert_eq!(found.len(), N, "{found:?}");
+    at_least(found)
+}
+
+/// The first of them.
+#[track_caller]
+pub fn at_least<T: Debug, const N: usize>(found: &[T]) -> [&T; N] {
+    assert!(found.len() >= N, "{found:?}");
+    std::array::from_fn(|i| &found[i])
+}
+
 /// A message has the form of all: behind the name of what refused, if there is one, lower case; and
 /// no full stop.
 #[track_caller]
@@ -60,6 +93,22 @@ pub fn assert_form(message: &str) {
     let said = named.map_or(message, |(_, said)| said);
     assert!(!said.is_empty() && !said.ends_with('.'), "{message}");
     assert!(!said.starts_with(char::is_uppercase), "{message}");
+}
+
+/// A message of the form of all says all parts.
+#[track_caller]
+pub fn assert_message(error: &Error, parts: &[&str]) {
+    let text = error.to_string();
+    for part in parts {
+        assert!(text.contains(part), "{part:?} is missing: {text}");
+    }
+    assert_form(&text);
+}
+
+/// The message of a refusal.
+#[track_caller]
+pub fn message<T>(found: Result<T, Error>, parts: &[&str]) {
+    assert_message(&found.map(|_| ()).unwrap_err(), parts);
 }
 
 /// The event of a name in the reference data.
@@ -91,24 +140,6 @@ pub fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
     };
     let [v_b, damping, load] = ["v_b", "beta", "gamma2"].map(|name| number(&case[name]));
     on_belt(law, v_b, damping, load)
-}
-
-/// A system of which all numbers are right.
-#[track_caller]
-pub fn on_belt<L: FrictionLaw>(law: L, v_b: f64, damping: f64, load: f64) -> MassOnBelt<L> {
-    MassOnBelt::new(law, v_b)
-        .and_then(|system| system.with_damping(damping)?.with_load(load))
-        .unwrap()
-}
-
-/// The set of the source paper's Figs. 4 and 5: polynomial law, β = 0.05, γ² = 1.
-pub fn paper(belt_velocity: f64) -> MassOnBelt<Polynomial> {
-    on_belt(
-        Polynomial::new(0.4, 0.25, 0.5).unwrap(),
-        belt_velocity,
-        0.05,
-        1.0,
-    )
 }
 
 /// Leine et al., Nonlinear Dynamics 16 (1998) 41-54: μ̂(s) = μ_s/(1 + δ s).
@@ -342,26 +373,4 @@ impl FrictionLaw for TurnsNan {
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed + 1.0).recip() * 0.4
     }
-}
-
-/// The mass of a closed formula on its belt.
-pub fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
-    let contact = Contact::new(0, of.law, of.load).unwrap();
-    Structure::new(&[of.mass])
-        .and_then(|s| s.with_ground_spring(0, of.stiffness))
-        .and_then(|s| s.with_ground_damper(0, of.damping))
-        .and_then(|s| s.with_contact(contact.on_belt(velocity)))
-        .unwrap()
-}
-
-/// The mass of a closed formula on a surface at rest, with the force at this phase.
-pub fn forced(of: &ForcedOscillator, phase: f64) -> Structure {
-    let law = Coulomb::new(of.static_friction, of.kinetic_friction).unwrap();
-    let force = Drive::harmonic(of.force, of.angular_frequency, phase).unwrap();
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| s.with_ground_damper(0, 2.0 * of.damping))
-        .and_then(|s| s.with_force(0, force))
-        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
-        .unwrap()
 }

@@ -1,7 +1,7 @@
 //! Cycles and bifurcations in cases with a known answer, and in hard ones.
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Random, count, on_belt, paper, some};
+use crate::common::{Random, count, exactly, on_belt, paper, some};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging;
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
@@ -249,9 +249,7 @@ fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
     for unit in [1.0, 1.0 / 16.0] {
         let system = on_belt(nested(unit), unit, 0.0, unit);
         let cycles = limit_cycle::find(&system).unwrap();
-        let [inner, middle, outer] = cycles.iter().collect::<Vec<_>>()[..] else {
-            panic!("{} cycles", cycles.len())
-        };
+        let [&inner, &middle, &outer] = exactly(&cycles.iter().collect::<Vec<_>>());
         assert!(inner.is_stable() && !middle.is_stable() && outer.is_stable());
         let peaks = [inner, middle, outer].map(LimitCycle::max_velocity);
         for (peak, square) in std::iter::zip(peaks, [0.1_f64, 0.3, 0.6]) {
@@ -322,9 +320,7 @@ fn motions_between_crossing_cycles_end_on_their_neighbours() {
             .iter()
             .filter(|cycle| cycle.kind() == CycleKind::Crossing)
             .collect();
-        let [inner, middle, outer] = crossing[..] else {
-            panic!("{} crossing cycles", crossing.len())
-        };
+        let [&inner, &middle, &outer] = exactly(&crossing);
         assert!(inner.is_stable() && !middle.is_stable() && outer.is_stable());
         let place = |cycle: &LimitCycle| cycle.state().displacement;
         let from = |displacement: f64| attractor(&system, State::new(displacement, unit)).unwrap();
@@ -350,9 +346,7 @@ fn friction_below_rounding_is_unresolved() {
     let system = on_belt(law, 0.2, 0.0, 1e-20);
     let cycles = limit_cycle::find(&system).unwrap();
     assert_eq!(cycles.continuum(), None);
-    let [range] = cycles.unresolved() else {
-        panic!("{:?}", cycles.unresolved())
-    };
+    let [range] = exactly(cycles.unresolved());
     for displacement in [0.01, 0.1, 1.0] {
         let end = attractor(&system, State::new(displacement, 0.0)).unwrap();
         assert_eq!(end, Attractor::Unresolved, "{displacement}");

@@ -1,14 +1,15 @@
 //! Limit cycles against 25-digit reference data.
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{assert_mirrored, json, list, number, paper, system_of, text};
+use crate::common::{
+    Worst, assert_met, assert_mirrored, json, list, number, paper, system_of, text,
+};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use stick_slip::{Coulomb, CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
 
-/// Checks every number that the reference gives of a cycle; returns the worst error relative to
-/// max(1, |value|).
-fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
+/// Checks every number that the reference gives of a cycle.
+fn compare(id: &str, cycle: &LimitCycle, expected: &Value) {
     let energy = cycle.energy();
     let fields = [
         ("period", cycle.period()),
@@ -26,36 +27,28 @@ fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
     ];
     let turns = cycle.frequency() * cycle.period() / TAU;
     assert!((turns - 1.0).abs() < 1e-15, "{id}: {turns}");
-    let mut worst = 0.0_f64;
+    let mut worst = Worst::default();
     for (name, value) in fields {
-        let Some(reference) = expected.get(name).map(number) else {
-            continue;
-        };
-        let error = (value - reference).abs() / reference.abs().max(1.0);
-        println!("{id} {name} {value:e} error {error:.1e}");
-        assert!(
-            error <= 1e-13,
-            "{id}: {name} = {value:e}, not {reference:e}: {error:e}"
-        );
-        worst = worst.max(error);
+        if let Some(reference) = expected.get(name).map(number) {
+            worst.meet(name, value, reference);
+        }
     }
+    worst.assert(id, 1e-13);
     if let Some(reference) = expected.get("multiplier").map(number) {
-        let error = (cycle.multiplier() - reference).abs() / reference.abs().max(1.0);
-        println!("{id} multiplier error {error:.1e}");
-        assert!(
-            error <= 1e-11,
-            "{id}: multiplier {:e}, not {reference:e}",
-            cycle.multiplier()
+        assert_met(
+            &format!("{id}: multiplier"),
+            cycle.multiplier(),
+            reference,
+            1e-11,
         );
     }
-    worst
 }
 
 fn of_kind(cycles: &CycleSet, kind: CycleKind) -> Vec<&LimitCycle> {
     cycles.iter().filter(|cycle| cycle.kind() == kind).collect()
 }
 
-fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
+fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) {
     let id = text(&case["id"]);
     let cycles = limit_cycle::find(system).unwrap_or_else(|error| panic!("{id}: {error}"));
     assert_eq!(cycles.unresolved(), [], "{id}: {cycles:?}");
@@ -66,18 +59,17 @@ fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
         stick_slip.first().copied(),
         "{id}"
     );
-    let mut worst = 0.0_f64;
     match text(&case["type"]) {
-        "stick_slip" => worst = compare(id, stick_slip[0], &case["cycle"]),
+        "stick_slip" => compare(id, stick_slip[0], &case["cycle"]),
         "pure_slip" => {
             assert_eq!(pure_slip.len(), 1, "{id}");
-            worst = compare(id, pure_slip[0], &case["cycle"]);
+            compare(id, pure_slip[0], &case["cycle"]);
         }
         "exp_all_attractors" => {
             let expected = list(&case["pure_slip"]);
             assert_eq!(pure_slip.len(), expected.len(), "{id}");
             for (cycle, expected) in std::iter::zip(pure_slip, expected) {
-                worst = worst.max(compare(id, cycle, expected));
+                compare(id, cycle, expected);
             }
             assert_eq!(
                 stick_slip.len(),
@@ -85,29 +77,25 @@ fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
                 "{id}"
             );
             if let [cycle] = stick_slip[..] {
-                worst = worst.max(compare(id, cycle, &case["stick_slip"]));
+                compare(id, cycle, &case["stick_slip"]);
             }
         }
         "no_cycle" => assert!(cycles.is_empty(), "{id}"),
         other => panic!("unknown type {other}"),
     }
-    worst
 }
 
 #[test]
 fn every_number_of_the_reference() {
-    let mut worst = 0.0_f64;
     let data = json(include_str!("../data/cycles.json"));
     for case in list(&data["cases"]) {
-        worst = worst.max(check(case, &system_of(case)));
+        check(case, &system_of(case));
     }
-    println!("worst error {worst:e}");
 }
 
 #[test]
 fn overshoot_and_crossing_of_the_reference() {
     let data = json(include_str!("../data/overshoot.json"));
-    let mut worst = 0.0_f64;
     for case in list(&data["cases"]) {
         let id = text(&case["id"]);
         let system = system_of(case);
@@ -124,7 +112,7 @@ fn overshoot_and_crossing_of_the_reference() {
             };
             assert_eq!(cycle.kind(), kind, "{id}");
             assert_eq!(of_kind(&cycles, kind), [&cycle], "{id}");
-            worst = worst.max(compare(id, &cycle, &case["stick_cycle"]));
+            compare(id, &cycle, &case["stick_cycle"]);
         }
         let crossing = of_kind(&cycles, CycleKind::Crossing);
         assert_eq!(
@@ -133,12 +121,11 @@ fn overshoot_and_crossing_of_the_reference() {
             "{id}"
         );
         if let [cycle] = crossing[..] {
-            worst = worst.max(compare(id, cycle, &case["crossing_cycle"]));
+            compare(id, cycle, &case["crossing_cycle"]);
             let release = system.release_state().unwrap().displacement;
             assert!(cycle.state().displacement > release, "{id}");
         }
     }
-    println!("worst error {worst:e}");
 }
 
 #[test]

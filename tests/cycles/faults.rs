@@ -1,7 +1,7 @@
 //! Edges at which searches once went wrong: ranges of some ulps, the border of a continuum, a belt
 //! at rest, units in which squares overflow.
 
-use crate::common::{Random, Table, TurnsNan, on_belt};
+use crate::common::{Random, Table, TurnsNan, exactly, on_belt};
 use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
@@ -93,9 +93,7 @@ fn the_border_of_a_continuum_is_no_cycle() {
             assert_eq!(search(&system, range.clone()), Ok(vec![]), "{about}");
         }
         let ranges = bifurcation::vibration_ranges(&system, range.clone()).unwrap();
-        let [only] = &ranges[..] else {
-            panic!("{about}: {ranges:?}")
-        };
+        let [only] = exactly(&ranges);
         assert_eq!(only.velocities, range);
         assert_eq!(only.attractors, [AttractorKind::Continuum]);
         // A continuum is a vibration, under whatever load.
@@ -167,9 +165,7 @@ fn a_continuum_begins_where_the_belt_passes_a_breakpoint() {
     let law = Tabulated::new([(0.0, 0.5), (0.15, 0.4), (0.3, 0.42), (0.7, 0.45)]).unwrap();
     let system = on_belt(&law, 0.9, 0.0, 3.0);
     let ranges = bifurcation::vibration_ranges(&system, 0.4..2.0).unwrap();
-    let [below, beyond] = &ranges[..] else {
-        panic!("{ranges:?}")
-    };
+    let [below, beyond] = exactly(&ranges);
     assert_abs_diff_eq!(below.velocities.end, 0.7, epsilon = 1e-11);
     assert_eq!(below.attractors[0], AttractorKind::SteadySliding);
     assert_eq!(beyond.attractors[0], AttractorKind::Continuum);
@@ -196,9 +192,7 @@ fn a_cycle_round_a_continuum_is_kept() {
     let system = MassOnBelt::new(Tabulated::new(points).unwrap(), 0.55).unwrap();
     let cycles = limit_cycle::find(&system.with_load(0.13).unwrap()).unwrap();
     assert!((cycles.continuum().unwrap().max_amplitude - 0.05).abs() < 1e-15);
-    let [inner, outer] = cycles.iter().collect::<Vec<_>>()[..] else {
-        panic!("{cycles:?}");
-    };
+    let [&inner, &outer] = exactly(&cycles.iter().collect::<Vec<_>>());
     assert_eq!(
         (inner.kind(), inner.is_stable()),
         (CycleKind::PureSlip, false)
@@ -323,9 +317,7 @@ fn a_pair_of_cycles_next_to_a_kink_of_the_law_is_found() {
             .iter()
             .filter(|cycle| cycle.kind() == CycleKind::PureSlip)
             .collect();
-        let [least, inner, outer] = pure[..] else {
-            panic!("{load}: {pure:?}")
-        };
+        let [&least, &inner, &outer] = exactly(&pure);
         assert!(!least.is_stable() && inner.is_stable() && !outer.is_stable());
         assert!(inner.max_velocity() < kink && kink < outer.max_velocity());
         assert!(outer.max_velocity() < 1.02 * inner.max_velocity());
@@ -354,9 +346,7 @@ fn a_pair_of_cycles_next_to_a_fold_of_a_table_is_found() {
         .and_then(|system| system.with_damping(0.0011310187397595818))
         .and_then(|system| system.with_load(0.2286018036832159))
         .unwrap();
-    let [fold] = bifurcation::fold_velocities(&system, 0.06..0.07).unwrap()[..] else {
-        panic!()
-    };
+    let [&fold] = exactly(&bifurcation::fold_velocities(&system, 0.06..0.07).unwrap());
     let peaks = |v_b: f64| -> Vec<(bool, f64)> {
         let cycles = limit_cycle::find(&system.clone().with_belt_velocity(v_b).unwrap()).unwrap();
         let cycles = cycles.iter();
@@ -388,16 +378,12 @@ fn a_small_cycle_that_rounding_moves_is_found() {
         .and_then(|system| system.with_damping(0.0025))
         .and_then(|system| system.with_load(0.05))
         .unwrap();
-    let [hopf] = bifurcation::hopf_velocities(&system, 0.3..0.5).unwrap()[..] else {
-        panic!()
-    };
+    let [&hopf] = exactly(&bifurcation::hopf_velocities(&system, 0.3..0.5).unwrap());
     for i in 0..30 {
         let distance = 3e-9 * 1.2_f64.powi(i);
         let v_b = hopf * (1.0 - distance);
         let cycles = limit_cycle::find(&system.with_belt_velocity(v_b).unwrap()).unwrap();
-        let [cycle] = cycles.as_slice() else {
-            panic!("{distance:e}: {cycles:?}")
-        };
+        let [cycle] = exactly(cycles.as_slice());
         assert!(cycle.is_stable() && cycle.kind() == CycleKind::PureSlip);
         // The noise of the growth, 32 ε (γ²μ_s + v_b)/V, over its slope, 2π |h1|: 7 % at the first.
         let amplitude = 2.0 * (hopf * hopf - v_b * v_b).sqrt();
@@ -427,8 +413,6 @@ fn a_stick_phase_whose_time_overflows_is_in_no_cycle() {
         0.2,
     ));
     let cycles = cycles.unwrap();
-    let [cycle] = cycles.iter().collect::<Vec<_>>()[..] else {
-        panic!("{cycles:?}");
-    };
+    let [&cycle] = exactly(&cycles.iter().collect::<Vec<_>>());
     assert!(cycle.period().is_finite() && cycle.rms_velocity() > 0.0);
 }

@@ -7,25 +7,16 @@ use stick_slip::{
     AnyLaw, CycleSet, Error, Exponential, LimitCycle, MassOnBelt, State, limit_cycle,
 };
 
-use crate::common::{Random, number, on_belt, system_of, text};
+use crate::common::{Random, Worst, exactly, number, on_belt, refused, system_of, text};
 use crate::reading::cases;
 
 const ACCURACY: f64 = 1e-12;
 
-fn meet(worst: &mut (f64, String), what: &str, actual: f64, expected: f64) {
-    let error = (actual - expected).abs() / expected.abs().max(1.0);
-    if error.is_nan() || error > worst.0 {
-        *worst = (error, format!("{what}: {actual:e}, not {expected:e}"));
-    }
-}
-
-fn compare(orbit: &Orbit<stick_slip::State>, cycle: &LimitCycle) -> (f64, String) {
-    let mut worst = (0.0, String::new());
+fn compare(orbit: &Orbit<stick_slip::State>, cycle: &LimitCycle) -> Worst {
+    let mut worst = Worst::default();
     let (least, largest) = orbit.extremes(0);
     let (slowest, fastest) = orbit.velocity_extremes(0);
-    let [multiplier] = orbit.multipliers() else {
-        panic!("{:?}", orbit.multipliers())
-    };
+    let [multiplier] = exactly(orbit.multipliers());
     for (what, actual, expected) in [
         ("period", orbit.period(), cycle.period()),
         ("u_min", least, cycle.min_displacement()),
@@ -35,7 +26,7 @@ fn compare(orbit: &Orbit<stick_slip::State>, cycle: &LimitCycle) -> (f64, String
         ("multiplier", multiplier.re, cycle.multiplier()),
         ("imaginary part", multiplier.im, 0.0),
     ] {
-        meet(&mut worst, what, actual, expected);
+        worst.meet(what, actual, expected);
     }
     if cycle.stick_duration() > 0.0 {
         assert_eq!((multiplier.re, multiplier.im), (0.0, 0.0));
@@ -88,7 +79,7 @@ fn the_reference_cycles_come_out() {
                             worst.0,
                             worst.1
                         );
-                        if worst.0.is_nan() || worst.0 > ACCURACY {
+                        if !worst.is_within(ACCURACY) {
                             failures.push(format!("{id} {which}: {} {}", worst.0, worst.1));
                         }
                     }
@@ -112,7 +103,7 @@ fn against_file(case: &Value, system: &MassOnBelt<AnyLaw>, failures: &mut Vec<St
     let expected = &case["cycle"];
     let start = State::new(number(&expected["u_contact"]), system.belt_velocity());
     let orbit = shoot(system, &start, Period::Free(number(&expected["period"]))).unwrap();
-    let mut worst = (0.0, String::new());
+    let mut worst = Worst::default();
     for (name, actual) in [
         ("period", orbit.period()),
         ("u_min", orbit.extremes(0).0),
@@ -120,10 +111,10 @@ fn against_file(case: &Value, system: &MassOnBelt<AnyLaw>, failures: &mut Vec<St
         ("v_min", orbit.velocity_extremes(0).0),
         ("u_contact", orbit.state().displacement),
     ] {
-        meet(&mut worst, name, actual, number(&expected[name]));
+        worst.meet(name, actual, number(&expected[name]));
     }
     println!("{} file: {:.1e} {}", text(&case["id"]), worst.0, worst.1);
-    if worst.0.is_nan() || worst.0 > ACCURACY {
+    if !worst.is_within(ACCURACY) {
         failures.push(format!("{}: {worst:?}", text(&case["id"])));
     }
 }
@@ -192,8 +183,7 @@ fn neither_rest_nor_no_time_is_a_motion() {
     assert!(limit_cycle::find(&system).unwrap().is_empty());
     let settled = settle(&system, &(0.0, 0.0).into(), 300.0, Period::Free(6.3));
     assert_eq!(settled.map(|_| ()), Err(Error::AtRest));
-    let found = shoot(&system, &(0.5, 0.3).into(), Period::Free(2.0)).map(|_| ());
-    assert!(matches!(found, Err(Error::NotPeriodic { .. })), "{found:?}");
+    refused!(shoot(&system, &(0.5, 0.3).into(), Period::Free(2.0)) => Error::NotPeriodic { .. });
     let found = shoot(&system, &(0.5, 0.3).into(), Period::Free(1e-12)).map(|_| ());
     assert!(found.is_err());
 }

@@ -6,7 +6,7 @@ use stick_slip::{
     Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure, bifurcation,
 };
 
-use crate::common::{list, number, text};
+use crate::common::{list, number, one_mass, text};
 use crate::loci::{curve, member};
 
 /// A mass on a belt with the exponential law: A' = aA + cA³ with a = −(2β + μ̂'(v_b))/2, so that A²
@@ -116,18 +116,13 @@ fn a_belt_is_a_structure() {
 fn bristles_begin_to_vibrate() {
     let family = |damping: f64| {
         let law = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 100.0, 0.5, 0.1)?;
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, damping)?
-            .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.1))
+        let contact = Contact::new(0, law, 1.0)?.on_belt(0.1);
+        one_mass([1.0, damping, 1.0], 0.0, contact)
     };
     let loci = bifurcation::hopf_locus(
         |p, q| {
             let law = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 100.0, 0.5, 0.1)?;
-            Structure::new(&[1.0])?
-                .with_ground_spring(0, 1.0)?
-                .with_ground_damper(0, q)?
-                .with_contact(Contact::new(0, law, 1.0)?.on_belt(p))
+            one_mass([1.0, q, 1.0], 0.0, Contact::new(0, law, 1.0)?.on_belt(p))
         },
         [0.1..0.2, 0.0..1.5],
     )

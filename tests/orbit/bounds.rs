@@ -10,13 +10,12 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
 
+use crate::common::{one_mass, refused};
+
 fn family(frequency: f64, force: f64) -> Result<Structure, Error> {
     let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1);
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.02)?
-        .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
-        .with_contact(contact)
+    let force = Drive::harmonic(force, frequency, 0.0)?;
+    one_mass([1.0, 0.02, 1.0], force, contact)
 }
 
 fn driven(frequency: f64) -> Result<Structure, Error> {
@@ -101,16 +100,8 @@ fn a_watcher_stops_a_search_on_one_system() {
         assert!(steps.is_multiple_of(1000) && calls.get() >= steps / 1000);
     }
     let never = Search::new().watched(|_| Break(()));
-    let found = never.shoot(&system, &start(), period).map(drop);
-    assert!(
-        matches!(found, Err(Error::Stopped { steps: 0, .. })),
-        "{found:?}"
-    );
-    let found = never.follow(driven, 0.78, &motion(), 0.7..0.8).map(drop);
-    assert!(
-        matches!(found, Err(Error::Stopped { steps: 0, .. })),
-        "{found:?}"
-    );
+    refused!(never.shoot(&system, &start(), period) => Error::Stopped { steps: 0, .. });
+    refused!(never.follow(driven, 0.78, &motion(), 0.7..0.8) => Error::Stopped { steps: 0, .. });
 }
 
 /// All motions of derivatives by parameters count, and the watcher sees their steps.
@@ -156,11 +147,7 @@ fn derivatives_by_parameters_are_bounded_and_watched() {
     };
     assert_eq!(parameter, "time");
     let never = Search::new().watched(|_| Break(()));
-    let found = never.orbit_sensitivities(system, &[0.78], &orbit).map(drop);
-    assert!(
-        matches!(found, Err(Error::Stopped { steps: 0, .. })),
-        "{found:?}"
-    );
+    refused!(never.orbit_sensitivities(system, &[0.78], &orbit) => Error::Stopped { steps: 0, .. });
 }
 
 /// A branch that is stopped is the beginning of the whole one, to the bit.

@@ -12,7 +12,7 @@ use stick_slip::{
     Stribeck, Structure, bifurcation,
 };
 
-use crate::common::{Random, paper, text};
+use crate::common::{Random, one_mass, oscillator, paper, refused, text};
 use crate::reading::structure;
 use crate::references::{all, period, remembers, start};
 
@@ -102,20 +102,17 @@ fn chaos_rest_and_what_is_held() {
         .and_then(|law| law.with_offset(0.1)?.with_quadratic(0.01))
         .unwrap();
     let forced = |force: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_force(0, Drive::harmonic(force, 0.75, 0.0)?)?
-            .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2))
+        let force = Drive::harmonic(force, 0.75, 0.0)?;
+        let contact = Contact::new(0, law, 1.0)?.on_belt(0.2);
+        one_mass([1.0, 0.0, 1.0], force, contact)
     };
     let chaotic = classify(&forced(0.1).unwrap(), &State::at_rest(1)).unwrap();
     assert_eq!(chaotic.kind(), AttractorKind::Irregular);
     assert!(chaotic.orbit().is_none());
     let block = |force: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.1)?
-            .with_force(0, Drive::sine(force, 1.3)?)?
-            .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?)
+        let force = Drive::sine(force, 1.3)?;
+        let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?;
+        one_mass([1.0, 0.1, 1.0], force, contact)
     };
     let kind = |system: Structure, begin: State| classify(&system, &begin).unwrap().kind();
     let begin = || State::new(&[0.3], &[0.2]);
@@ -132,10 +129,10 @@ fn chaos_rest_and_what_is_held() {
         assert_eq!(kind(block(force).unwrap(), begin()), expected, "{force}");
     }
     // No friction that varies, no damping: every motion is periodic, none attracts.
-    let level = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| s.with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?.on_belt(1.0)))
-        .unwrap();
+    let contact = Contact::new(0, Coulomb::new(0.3, 0.3).unwrap(), 1.0)
+        .unwrap()
+        .on_belt(1.0);
+    let level = one_mass([1.0, 0.0, 1.0], 0.0, contact).unwrap();
     let found = classify(&level, &State::new(&[0.3], &[0.5])).unwrap();
     assert_eq!(found.kind(), AttractorKind::PureSlip);
     assert_abs_diff_eq!(found.orbit().unwrap().amplitude(0), 0.5, epsilon = 1e-12);
@@ -146,21 +143,15 @@ fn chaos_rest_and_what_is_held() {
     let found = classify(&ramp.unwrap(), &begin()).map(drop);
     assert_eq!(found, Err(Error::NoCommonPeriod));
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let found = classify(&block(0.5).unwrap(), &State::new(&[bad], &[0.0])).map(drop);
-        assert!(
-            matches!(found, Err(Error::InvalidState { .. })),
-            "{found:?}"
-        );
+        let found = classify(&block(0.5).unwrap(), &State::new(&[bad], &[0.0]));
+        refused!(found => Error::InvalidState { .. });
     }
 }
 
 /// Hardly anything moves so heavy a mass: a step is longer than 10⁹ periods of the force.
 #[test]
 fn a_step_may_be_longer_than_any_number_of_periods() {
-    let heavy = Structure::new(&[1e140])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| s.with_force(0, Drive::sine(0.4, 0.35)?))
-        .unwrap();
+    let heavy = oscillator([1e140, 0.0, 1.0], Drive::sine(0.4, 0.35).unwrap()).unwrap();
     let search = Search::new().with_max_steps(300).unwrap();
     let found = search.classify(&heavy, &State::new(&[0.0], &[1e140]));
     let found = found.map(|found| found.kind());
@@ -173,17 +164,8 @@ fn a_step_may_be_longer_than_any_number_of_periods() {
 /// Steady sliding that decays by 4e-5 over a radian takes longer than the default bound.
 #[test]
 fn a_larger_bound_simulates_a_longer_transient() {
-    let system = Structure::new(&[1.0])
-        .and_then(|system| {
-            system
-                .with_ground_spring(0, 1.0)?
-                .with_ground_damper(0, 4e-5)
-        })
-        .and_then(|system| {
-            let contact = Contact::new(0, Coulomb::new(0.4, 0.25)?, 1.0)?;
-            system.with_contact(contact.on_belt(2.0))
-        })
-        .unwrap();
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.25).unwrap(), 1.0).unwrap();
+    let system = one_mass([1.0, 4e-5, 1.0], 0.0, contact.on_belt(2.0)).unwrap();
     let start = State::new(&[0.5], &[0.0]);
     let within = |bound: usize| {
         let search = Search::new().with_max_steps(bound).unwrap();
@@ -248,11 +230,7 @@ fn sweeps_are_bounded_watched_and_go_on_behind_errors() {
         [0.2, f64::NAN, 0.4],
         [0.2, 0.3, f64::INFINITY],
     ] {
-        let found = sweep(exponential, &bad, &start).map(drop);
-        assert!(
-            matches!(found, Err(Error::InvalidParameter { .. })),
-            "{found:?}"
-        );
+        refused!(sweep(exponential, &bad, &start) => Error::InvalidParameter { .. });
     }
     let error = sweep(exponential, &[], &start).map(drop).unwrap_err();
     assert!(error.to_string().contains("at least one value"), "{error}");
@@ -286,8 +264,7 @@ fn sweeps_are_bounded_watched_and_go_on_behind_errors() {
     assert_eq!((found.up.len(), found.down.len()), (3, 1));
     assert_eq!(found.stopped, Some(0.3));
     let never = Search::new().watched(|_| Break(()));
-    let found = never.classify(&paper(0.2), &start).map(drop);
-    assert!(matches!(found, Err(Error::Stopped { .. })), "{found:?}");
+    refused!(never.classify(&paper(0.2), &start) => Error::Stopped { .. });
 }
 
 /// A start that no system can have is no result at a value.
@@ -320,9 +297,8 @@ fn sweeps_refuse_a_start_that_does_not_fit() {
         if velocity > 0.15 {
             return family(velocity);
         }
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+        let contact = Contact::new(0, law, 1.0)?.on_belt(velocity);
+        one_mass([1.0, 0.0, 1.0], 0.0, contact)
     };
     let found = sweep(changing, &[0.12, 0.2], &State::at_rest(1)).unwrap();
     assert!(found.up[0].attractor.is_ok() && found.up[1].attractor.is_err());
@@ -336,15 +312,19 @@ fn a_motion_is_found_over_its_own_period() {
         .and_then(|law| law.with_viscous_coefficient(0.02))
         .unwrap();
     let (frequency, mass) = (2.1723346550697147, 1.4541912021794672);
-    let forced = Structure::new(&[mass])
-        .and_then(|s| s.with_ground_spring(0, 1.4817921323783971))
-        .and_then(|s| s.with_ground_damper(0, 0.2377471473980021))
-        .and_then(|s| s.with_force(0, Drive::harmonic(0.604, frequency, 0.6485)?))
-        .and_then(|s| {
-            let load = Drive::constant(1.0188).with_harmonic(0.5094, frequency, 1.0)?;
-            s.with_contact(Contact::new(0, law, load)?.on_belt(0.34421046638054836))
-        })
+    let load = Drive::constant(1.0188)
+        .with_harmonic(0.5094, frequency, 1.0)
         .unwrap();
+    let force = Drive::harmonic(0.604, frequency, 0.6485).unwrap();
+    let contact = Contact::new(0, law, load)
+        .unwrap()
+        .on_belt(0.34421046638054836);
+    let forced = one_mass(
+        [mass, 0.2377471473980021, 1.4817921323783971],
+        force,
+        contact,
+    )
+    .unwrap();
     let one = settle(&forced, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
     assert!(one.multipliers()[0].re < -0.7, "{one:?}");
     for i in 0..8 {

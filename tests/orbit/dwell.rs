@@ -9,16 +9,15 @@ use stick_slip::{
     Polynomial, Structure, bifurcation,
 };
 
+use crate::common::one_mass;
+
 /// m = k = N = 1.
 fn block<L>(law: &Dwell<L>, damper: f64, velocity: f64) -> Structure
 where
     L: FrictionLaw + Clone + Send + Sync + 'static,
 {
     let contact = Contact::new(0, law.clone(), 1.0).unwrap();
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, damper))
-        .and_then(|s| s.with_contact(contact.on_belt(velocity)))
-        .unwrap()
+    one_mass([1.0, damper, 1.0], 0.0, contact.on_belt(velocity)).unwrap()
 }
 
 /// A state in the middle of the slip phase, a little beside the cycle.
@@ -201,11 +200,9 @@ fn with_falling_friction_cycles_end_where_they_touch_the_belt() {
 /// A mass on a belt under a harmonic force, begun at a phase of it.
 fn forced(amplitude: f64, phase: f64) -> Result<Structure, Error> {
     let law = Dwell::exponential(Coulomb::new(0.4, 0.3)?, 0.6, 1.5)?;
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.1)?
-        .with_force(0, Drive::harmonic(amplitude, 0.6, phase)?)?
-        .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.1))
+    let force = Drive::harmonic(amplitude, 0.6, phase)?;
+    let contact = Contact::new(0, law, 1.0)?.on_belt(0.1);
+    one_mass([1.0, 0.1, 1.0], force, contact)
 }
 
 fn sticks(orbit: &Orbit<State>) -> bool {

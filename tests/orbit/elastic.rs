@@ -8,7 +8,7 @@ use stick_slip::orbit::{BifurcationKind, BranchEnd, Period, follow, lyapunov, se
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Direction, Drive, Error, Integrator, Structure};
 
-use crate::common::{number, text};
+use crate::common::{exactly, number, one_mass, text};
 use crate::reading::{cases, structure};
 use crate::references::{period, start};
 
@@ -57,9 +57,7 @@ fn a_resonance_is_followed_through_its_folds() {
         .collect();
     let parameters: Vec<f64> = folds.iter().map(|fold| fold.parameter).collect();
     println!("folds at {parameters:?}");
-    let [low, high] = parameters[..] else {
-        panic!("{parameters:?}")
-    };
+    let [&low, &high] = exactly(&parameters);
     let (low, high) = (low.min(high), low.max(high));
     // The file says about 1.238 and 1.345, from a scan.
     assert!((low - 1.238).abs() < 1e-3 && (high - 1.345).abs() < 3e-3);
@@ -86,12 +84,8 @@ fn oscillator(force: f64) -> Structure {
     let element = Contact::new(0, Coulomb::new(0.5, 0.5).unwrap(), 2.0)
         .and_then(|contact| contact.with_tangential_stiffness(3.0))
         .unwrap();
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| s.with_ground_damper(0, 0.1))
-        .and_then(|s| s.with_force(0, Drive::harmonic(force, 1.2, 0.0)?))
-        .and_then(|s| s.with_contact(element))
-        .unwrap()
+    let force = Drive::harmonic(force, 1.2, 0.0).unwrap();
+    one_mass([1.0, 0.1, 1.0], force, element).unwrap()
 }
 
 /// A slider that never moves: the residual force is what it was at the start.
@@ -249,11 +243,9 @@ fn a_rigid_contact_that_slips_one_way_ends_a_branch() {
 #[test]
 fn a_contact_that_slips_one_way_from_the_start_ends_a_branch() {
     let family = |load: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.1)?
-            .with_force(0, Drive::harmonic(0.3, 1.2, 0.0)?.with_constant(0.4)?)?
-            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, load)?)
+        let force = Drive::harmonic(0.3, 1.2, 0.0)?.with_constant(0.4)?;
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, load)?;
+        one_mass([1.0, 0.1, 1.0], force, contact)
     };
     let orbit = shoot(&family(2.0).unwrap(), &State::at_rest(1), Period::Driven(1)).unwrap();
     let branch = follow(family, 2.0, &orbit, 1.0..3.0).unwrap();
@@ -277,11 +269,9 @@ fn the_limit_of_a_slider_follows_the_load() {
     for (belt, amplitude, sticks) in [(0.5, 0.2, false), (0.1, 0.6, true)] {
         let family = |load: f64| {
             let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, load)?.on_belt(belt);
-            Structure::new(&[1.0])?
-                .with_ground_spring(0, 1.0)?
-                .with_ground_damper(0, 0.1)?
-                .with_force(0, Drive::harmonic(amplitude, 0.5, 0.3)?)?
-                .with_contact(contact.with_tangential_stiffness(8.0)?)
+            let force = Drive::harmonic(amplitude, 0.5, 0.3)?;
+            let contact = contact.with_tangential_stiffness(8.0)?;
+            one_mass([1.0, 0.1, 1.0], force, contact)
         };
         let start = State::new(&[0.5], &[0.0]).with_memory(&[-0.5]);
         let orbit = settle(&family(1.0).unwrap(), &start, 300.0, Period::Driven(1)).unwrap();
@@ -309,11 +299,8 @@ fn the_end_of_a_branch_does_not_depend_on_units() {
     let family = |amplitude: f64| {
         let drive = Drive::harmonic(force * amplitude, 1.2, 0.3)?.with_constant(0.8 * force)?;
         let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, 2.0 * force)?;
-        Structure::new(&[stiffness])?
-            .with_ground_spring(0, stiffness)?
-            .with_ground_damper(0, 0.1 * stiffness)?
-            .with_force(0, drive)?
-            .with_contact(contact.with_tangential_stiffness(3.0 * stiffness)?)
+        let contact = contact.with_tangential_stiffness(3.0 * stiffness)?;
+        one_mass([stiffness, 0.1 * stiffness, stiffness], drive, contact)
     };
     let start = State::new(&[0.2 * length], &[0.0]).with_memory(&[0.6 * force]);
     let orbit = shoot(&family(0.05).unwrap(), &start, Period::Driven(1)).unwrap();

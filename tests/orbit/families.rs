@@ -5,6 +5,8 @@ use stick_slip::orbit::{AttractorKind, Orbit, Period, classify, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, ContactLaw, Coulomb, Drive, Error, Motion, Scalar, Slip, Structure};
 
+use crate::common::{at_least, exactly, one_mass};
+
 /// Inertias of very different size that rub on each other; nothing else touches them.
 const INERTIAS: [f64; 3] = [1.0, 7.0, 0.2];
 
@@ -59,13 +61,9 @@ fn momentum_is_that_of_the_start() {
             // The forces have no mean over whole periods. The rounding of displacements up to 200
             // acts on springs of 2 for 60 units of time.
             assert!(apart.abs() < 1e-11, "{velocities:?} {transient}: {apart:e}");
-            let [direction] = found.families() else {
-                panic!("{:?}", found.families())
-            };
+            let [direction] = exactly(found.families());
             // A velocity of the whole; displacements do not follow.
-            let [first, ..] = direction.velocities[..] else {
-                panic!()
-            };
+            let [&first] = at_least(&direction.velocities);
             for v in &direction.velocities {
                 assert!((v - first).abs() < 1e-10 * first.abs(), "{direction:?}");
             }
@@ -108,11 +106,8 @@ impl ContactLaw for Worn {
 }
 
 fn worn() -> Result<Structure, Error> {
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.1)?
-        .with_force(0, Drive::harmonic(0.7, 0.6, 0.0)?)?
-        .with_contact(Contact::new(0, Worn, 1.0)?)
+    let force = Drive::harmonic(0.7, 0.6, 0.0)?;
+    one_mass([1.0, 0.1, 1.0], force, Contact::new(0, Worn, 1.0)?)
 }
 
 #[test]
@@ -130,9 +125,7 @@ fn a_memory_minus_a_displacement_is_that_of_the_start() {
             };
             let apart = offset(&found.state()) - (z - q);
             assert!(apart.abs() < 1e-14, "{q} {z} {transient}: {apart:e}");
-            let [direction] = found.families() else {
-                panic!("{:?}", found.families())
-            };
+            let [direction] = exactly(found.families());
             assert!(offset(direction).abs() > 0.1, "{direction:?}");
             // Neighbours in this direction are closed to the square of the distance.
             for by in [1e-4, 1e-5] {
@@ -141,9 +134,7 @@ fn a_memory_minus_a_displacement_is_that_of_the_start() {
                 assert!(most < 30.0 * by * by, "{by:e}: {missed:?}");
             }
             // The multiplier 1 is listed, and the member is stable.
-            let [first, second, _] = found.multipliers() else {
-                panic!()
-            };
+            let [first, second, _] = exactly(found.multipliers());
             assert!((first - 1.0).norm() < 1e-12 && second.norm() < 0.99);
             assert!(found.is_stable(), "{:?}", found.multipliers());
             means.push(found.extremes(0).1);
@@ -177,9 +168,7 @@ fn a_frictionless_drift_is_that_of_the_start() {
     for transient in [0.0, 30.0] {
         let found = settle(&free, &start, transient, Period::Driven(1)).unwrap();
         assert!((found.state().velocities[1] + 1.7).abs() < 1e-13);
-        let [direction] = found.families() else {
-            panic!("{:?}", found.families())
-        };
+        let [direction] = exactly(found.families());
         assert_eq!(direction.velocities[0], 0.0);
         assert!(direction.velocities[1] > 0.0);
     }
@@ -201,9 +190,7 @@ fn a_contact_that_never_slips_makes_a_family() {
     let start = State::at_rest(2).with_memory(&[0.8]);
     let found = settle(&stuck, &start, 200.0, Period::Driven(1)).unwrap();
     assert_eq!(found.unslipped(), [0]);
-    let [direction] = found.families() else {
-        panic!("{:?}", found.families())
-    };
+    let [direction] = exactly(found.families());
     let by = 1e-3;
     let missed = missed(&stuck, &found, direction, by);
     // The motion is linear: neighbours are closed.
@@ -240,9 +227,7 @@ fn motions_of_any_energy_are_a_family() {
     let found = settle(&bounces, &start, 150.0, Period::Free(4.3)).unwrap();
     let largest = found.extremes(0).1;
     assert!((found.period() - period(largest)).abs() < 1e-12);
-    let [direction] = found.families() else {
-        panic!("{:?}", found.families())
-    };
+    let [direction] = exactly(found.families());
     // To another energy, while the damped mass stays at rest.
     let moved = |by: f64| {
         let (s, d) = (found.state(), direction);

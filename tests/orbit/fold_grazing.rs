@@ -11,7 +11,7 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Stribeck, Structure};
 
-use crate::common::some;
+use crate::common::{exactly, one_mass, some};
 
 /// The bifurcations of a kind over the first parameter.
 fn bifurcations(
@@ -38,9 +38,7 @@ fn touching_end(locus: &Locus<State>) -> [f64; 2] {
     let jump = locus.ends.iter().position(|end| *end == LocusEnd::Jump);
     let jump = jump.unwrap_or_else(|| panic!("{:?}", locus.ends));
     let last = [0, locus.points.len() - 1][jump];
-    let [found] = special(locus, SpecialKind::FoldGrazing)[..] else {
-        panic!("{:?}", locus.special)
-    };
+    let [&found] = exactly(&special(locus, SpecialKind::FoldGrazing));
     assert_eq!(found, locus.points[last].parameters);
     let critical = locus.points[last].orbit.multipliers()[0];
     assert_abs_diff_eq!(critical.re, 1.0, epsilon = 1e-12);
@@ -64,11 +62,9 @@ fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
     const C: f64 = -0.06;
     const BELT: f64 = 0.35;
     let family = |frequency: f64, force: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, C)?
-            .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
-            .with_contact(Contact::new(0, Coulomb::new(0.4, 0.4)?, 1.0)?.on_belt(BELT))
+        let force = Drive::harmonic(force, frequency, 0.0)?;
+        let contact = Contact::new(0, Coulomb::new(0.4, 0.4)?, 1.0)?.on_belt(BELT);
+        one_mass([1.0, C, 1.0], force, contact)
     };
     let growth = |frequency: f64| {
         let (t, q) = (TAU / frequency, (1.0 - 0.25 * C * C).sqrt());
@@ -116,11 +112,9 @@ fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
 fn folds_with_falling_friction_end_on_the_curve_of_touches() {
     let family = |hertz: f64, force: f64| {
         let law = Stribeck::new(0.5, 0.25, 0.3, 2)?;
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1e4)?
-            .with_ground_damper(0, 6.0)?
-            .with_force(0, Drive::harmonic(force, TAU * hertz, 0.0)?)?
-            .with_contact(Contact::new(0, law, 30.0)?.on_belt(0.25))
+        let force = Drive::harmonic(force, TAU * hertz, 0.0)?;
+        let contact = Contact::new(0, law, 30.0)?.on_belt(0.25);
+        one_mass([1.0, 6.0, 1e4], force, contact)
     };
     let (hertz, force) = (17.0, 8.0);
     let system = family(hertz, force).unwrap();

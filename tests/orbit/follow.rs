@@ -17,7 +17,7 @@ use stick_slip::{
     limit_cycle,
 };
 
-use crate::common::{count, number, some};
+use crate::common::{count, exactly, number, one_mass, some};
 use crate::reading::{cases, structure};
 
 /// Error promised for every parameter.
@@ -186,10 +186,8 @@ fn dwelling(
     belt_velocity: f64,
 ) -> Result<Structure, Error> {
     let law = form(Coulomb::new(at_once, kinetic)?)?;
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, damping)?
-        .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt_velocity))
+    let contact = Contact::new(0, law, 1.0)?.on_belt(belt_velocity);
+    one_mass([1.0, damping, 1.0], 0.0, contact)
 }
 
 #[test]
@@ -253,11 +251,9 @@ fn small() -> (Structure, Orbit<State>) {
 /// The system of `sb_10` of the reference, over the amplitude of its force.
 fn forced(amplitude: f64) -> Result<Structure, Error> {
     let law = Polynomial::new(0.45, 0.3, 0.5)?;
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.2)?
-        .with_force(0, Drive::harmonic(amplitude, 0.8, 0.0)?)?
-        .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.7))
+    let force = Drive::harmonic(amplitude, 0.8, 0.0)?;
+    let contact = Contact::new(0, law, 1.0)?.on_belt(0.7);
+    one_mass([1.0, 0.2, 1.0], force, contact)
 }
 
 #[test]
@@ -326,11 +322,9 @@ fn a_release_that_becomes_tangential_ends_the_branch_there() {
     const BELT: f64 = 0.046_186_779_667_100_9;
     let law = Coulomb::new(0.352_523_204_526_248_6, 0.225_371_866_433_964_9).unwrap();
     let family = |load: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, DAMPING)?
-            .with_force(0, Drive::sine(FORCE, OMEGA)?)?
-            .with_contact(Contact::new(0, law, load)?.on_belt(BELT))
+        let force = Drive::sine(FORCE, OMEGA)?;
+        let contact = Contact::new(0, law, load)?.on_belt(BELT);
+        one_mass([1.0, DAMPING, 1.0], force, contact)
     };
     let start = State::new(&[0.3], &[0.0]);
     let orbit = settle(&family(1.246).unwrap(), &start, 200.0, Period::Driven(1)).unwrap();
@@ -449,10 +443,9 @@ fn both_directions_meet() {
 #[test]
 fn a_continuum_is_passed() {
     let family = |friction: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_force(0, Drive::harmonic(1.0, 0.5, 0.0)?)?
-            .with_contact(Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?)
+        let force = Drive::harmonic(1.0, 0.5, 0.0)?;
+        let contact = Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?;
+        one_mass([1.0, 0.0, 1.0], force, contact)
     };
     let system = family(0.2).unwrap();
     let orbit = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
@@ -514,11 +507,9 @@ fn a_pair_of_multipliers_leaves_the_unit_circle() {
 #[test]
 fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
     let family = |amplitude: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.1)?
-            .with_force(0, Drive::harmonic(amplitude, 0.7, 1.0)?)?
-            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 2.0)?)
+        let force = Drive::harmonic(amplitude, 0.7, 1.0)?;
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 2.0)?;
+        one_mass([1.0, 0.1, 1.0], force, contact)
     };
     let start = State::new(&[0.25], &[0.0]);
     let orbit = shoot(&family(0.3).unwrap(), &start, Period::Driven(1)).unwrap();
@@ -565,11 +556,9 @@ fn a_jump_is_where_motions_from_one_start_part() {
             (between(0.5, 1.5), between(0.3, 1.2), between(0.0, 6.0));
         let family = |frequency: f64| {
             let law = Coulomb::new(limit, part * limit)?;
-            Structure::new(&[1.0])?
-                .with_ground_spring(0, 1.0)?
-                .with_ground_damper(0, damping)?
-                .with_force(0, Drive::harmonic(amplitude, frequency, phase)?)?
-                .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))
+            let force = Drive::harmonic(amplitude, frequency, phase)?;
+            let contact = Contact::new(0, law, 1.0)?.on_belt(belt);
+            one_mass([1.0, damping, 1.0], force, contact)
         };
         let start = State::at_rest(1);
         let Ok(orbit) = settle(
@@ -642,11 +631,9 @@ fn check_tangential_end(branch: &Branch<State>, which: usize, end: f64) {
 fn a_branch_with_large_multipliers_is_followed_to_its_end() {
     let family = |load: f64| {
         let law = Coulomb::new(0.5680164645955348, 0.2512321222867724)?;
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.07206176696343199)?
-            .with_force(0, Drive::sine(0.41119169421346063, 0.6672762460406475)?)?
-            .with_contact(Contact::new(0, law, load)?.on_belt(0.03688300575324713))
+        let force = Drive::sine(0.41119169421346063, 0.6672762460406475)?;
+        let contact = Contact::new(0, law, load)?.on_belt(0.03688300575324713);
+        one_mass([1.0, 0.07206176696343199, 1.0], force, contact)
     };
     let load = 1.0075678562841528;
     let start = State::new(&[0.3], &[0.0]);
@@ -701,11 +688,9 @@ fn no_sign_is_carried_across_a_change_of_events() {
 #[test]
 fn what_happens_in_both_halves_of_a_motion_is_one_bifurcation() {
     let family = |frequency: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.05)?
-            .with_force(0, Drive::harmonic(1.0, frequency, 0.0)?)?
-            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, 1.0)?)
+        let force = Drive::harmonic(1.0, frequency, 0.0)?;
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, 1.0)?;
+        one_mass([1.0, 0.05, 1.0], force, contact)
     };
     let start = State::at_rest(1);
     let orbit = settle(&family(0.9).unwrap(), &start, 300.0, Period::Driven(1)).unwrap();
@@ -718,9 +703,7 @@ fn what_happens_in_both_halves_of_a_motion_is_one_bifurcation() {
         Ok::<usize, Error>(stops.filter(|event| event.kind == EventKind::Stick).count())
     };
     // By simulation beside each.
-    let [more, pair, first] = found[..] else {
-        panic!("{found:?}")
-    };
+    let [&more, &pair, &first] = exactly(&found);
     for ((kind, parameter), below, above) in [(more, 6, 4), (pair, 4, 2), (first, 2, 0)] {
         assert_eq!(stops(parameter - 1e-4), Ok(below), "{kind} {parameter}");
         assert_eq!(stops(parameter + 1e-4), Ok(above), "{kind} {parameter}");
@@ -734,11 +717,9 @@ fn a_branch_goes_on_where_a_stop_vanishes_beside_a_fold() {
     use BifurcationKind::{Fold, Grazing};
     let law = Polynomial::new(0.55, 0.3, 0.7).unwrap();
     let family = |amplitude: f64, frequency: f64| {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.06)?
-            .with_force(0, Drive::harmonic(amplitude, frequency, 0.0)?)?
-            .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
+        let force = Drive::harmonic(amplitude, frequency, 0.0)?;
+        let contact = Contact::new(0, law, 0.9)?.on_belt(0.25);
+        one_mass([1.0, 0.06, 1.0], force, contact)
     };
     let amplitudes = [0.124, 0.126, 0.1245, 0.125];
     for amplitude in some(2, amplitudes) {
@@ -814,11 +795,9 @@ fn a_branch_does_not_depend_on_the_static_displacement() {
     let followed = |force: f64| {
         let mass = |velocity: f64| -> Result<Structure, Error> {
             let law = Exponential::new(0.4, 0.25, 0.5)?;
-            Structure::new(&[1.0])?
-                .with_ground_spring(0, 1.0)?
-                .with_ground_damper(0, 0.1)?
-                .with_force(0, Drive::constant(force))?
-                .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+            let force = Drive::constant(force);
+            let contact = Contact::new(0, law, 1.0)?.on_belt(velocity);
+            one_mass([1.0, 0.1, 1.0], force, contact)
         };
         let start = State::new(&[force + 0.3], &[0.3]);
         let orbit = orbit::settle(&mass(0.6).unwrap(), &start, 300.0, Period::Free(6.3)).unwrap();
@@ -836,9 +815,7 @@ fn a_branch_does_not_depend_on_the_static_displacement() {
         };
         assert_abs_diff_eq!(parameter, HOPF, epsilon = 1e-9 + 1e-12 * force);
         assert!(branch.points.len() < 200);
-        let [grazing, fold] = &branch.bifurcations[..] else {
-            panic!("{force:e}: {} bifurcations", branch.bifurcations.len());
-        };
+        let [grazing, fold] = exactly(&branch.bifurcations);
         let kinds = [grazing.kind, fold.kind];
         assert_eq!(kinds, [BifurcationKind::Grazing, BifurcationKind::Fold]);
         assert_abs_diff_eq!(grazing.parameter, 0.795_625_251_483, epsilon = 1e-10);

@@ -7,15 +7,13 @@ use stick_slip::orbit::{Orbit, Period, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Structure};
 
+use crate::common::one_mass;
+
 /// x'' + 2ζx' + x = p cos Ωt − F sgn x'.
 fn forced(frequency: f64, damping: f64, friction: f64, force: f64) -> Structure {
     let contact = Contact::new(0, Coulomb::new(friction, friction).unwrap(), 1.0).unwrap();
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| s.with_ground_damper(0, 2.0 * damping))
-        .and_then(|s| s.with_force(0, Drive::harmonic(force, frequency, 0.0)?))
-        .and_then(|s| s.with_contact(contact))
-        .unwrap()
+    let force = Drive::harmonic(force, frequency, 0.0).unwrap();
+    one_mass([1.0, 2.0 * damping, 1.0], force, contact).unwrap()
 }
 
 /// Amplitude and multipliers of the symmetric motion without stops (J. P. Den Hartog, *Trans. ASME*

@@ -6,7 +6,7 @@ use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{LocusEnd, SpecialKind};
 use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure};
 
-use crate::common::{count, list, number, text};
+use crate::common::{count, exactly, list, number, one_mass, text};
 use crate::loci::{curve, member};
 
 /// Error promised for parameters, in units of max(1, |value|).
@@ -88,9 +88,7 @@ fn a_mass_on_a_belt_has_the_curve_in_closed_form_with_its_special_points() {
     let case = curve("hbe");
     let family = |p: f64, q: f64| Ok(member(&case["system"], p, q));
     let loci = hopf_locus(family, [0.01..1.5, 0.01..0.3]).unwrap();
-    let [locus] = &loci[..] else {
-        panic!("{} curves", loci.len())
-    };
+    let [locus] = exactly(&loci);
     assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
     assert!(locus.points.len() > 40);
     for point in &locus.points {
@@ -141,10 +139,8 @@ fn a_belt_and_its_structure_have_the_same_curve() {
 fn bristles_have_the_stability_limit_of_their_eigenvalues() {
     let family = |v_b: f64, damping: f64| {
         let law = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 100.0, 0.5, 0.1)?;
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, damping)?
-            .with_contact(Contact::new(0, law, 1.0)?.on_belt(v_b))
+        let contact = Contact::new(0, law, 1.0)?.on_belt(v_b);
+        one_mass([1.0, damping, 1.0], 0.0, contact)
     };
     let loci = hopf_locus(family, [0.02..0.4, 0.0..1.5]).unwrap();
     assert!(!loci.is_empty());

@@ -8,7 +8,7 @@ use stick_slip::orbit::{Branch, BranchEnd, Orbit, Period, follow, settle, shoot}
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, EventKind, Structure};
 
-use crate::common::Random;
+use crate::common::{Random, one_mass};
 
 /// Mass, damper, spring, spring and limit of the element, force and frequency.
 type Given = [f64; 7];
@@ -20,12 +20,8 @@ fn response([m, c, k, k_t, limit, force, omega]: Given) -> Option<SymmetricRespo
 fn structure([m, c, k, k_t, limit, force, omega]: Given, phase: f64) -> Structure {
     let law = Coulomb::new(1.0, 1.0).unwrap();
     let element = Contact::new(0, law, limit).and_then(|c| c.with_tangential_stiffness(k_t));
-    Structure::new(&[m])
-        .and_then(|s| s.with_ground_spring(0, k))
-        .and_then(|s| s.with_ground_damper(0, c))
-        .and_then(|s| s.with_force(0, Drive::harmonic(force, omega, phase)?))
-        .and_then(|s| s.with_contact(element?))
-        .unwrap()
+    let force = Drive::harmonic(force, omega, phase).unwrap();
+    one_mass([m, c, k], force, element.unwrap()).unwrap()
 }
 
 fn amplitude(orbit: &Orbit<State>) -> f64 {

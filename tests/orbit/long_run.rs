@@ -11,7 +11,7 @@ use stick_slip::{
     System, limit_cycle,
 };
 
-use crate::common::{on_belt, paper, text};
+use crate::common::{on_belt, one_mass, paper, text};
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
@@ -23,11 +23,8 @@ fn popp_and_stelter(force: f64, frequency: f64) -> Structure {
         .and_then(|law| law.with_quadratic(0.01))
         .unwrap();
     let contact = Contact::new(0, law, 1.0).unwrap().on_belt(0.2);
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| s.with_force(0, Drive::harmonic(force, frequency, 0.0)?))
-        .and_then(|s| s.with_contact(contact))
-        .unwrap()
+    let force = Drive::harmonic(force, frequency, 0.0).unwrap();
+    one_mass([1.0, 0.0, 1.0], force, contact).unwrap()
 }
 
 /// ln |multiplier|/T of the largest multiplier, against the exponent.
@@ -251,9 +248,7 @@ fn phases_are_kept_for_ever() {
     let contact = Contact::new(0, Coulomb::new(10.0, 1.0).unwrap(), 1.0)
         .unwrap()
         .on_belt(Drive::harmonic(frequency, frequency, 0.0).unwrap());
-    let system = Structure::new(&[1.0])
-        .and_then(|s| s.with_contact(contact))
-        .unwrap();
+    let system = one_mass([1.0, 0.0, 0.0], 0.0, contact).unwrap();
     let start = State::new(&[0.0], &[frequency]);
     let period = 0.25 * system.period().unwrap();
     let last = section(&system, &start, period)

@@ -8,55 +8,53 @@ use stick_slip::{
     limit_cycle,
 };
 
-use crate::common::{list, number, paper, text};
+use crate::common::{Worst, assert_met, list, number, paper, text};
 use crate::reading::{cases, numbers, structure};
 use crate::references::{all, period, remembers, start};
-
-#[track_caller]
-fn close(what: &str, found: f64, expected: f64, allowed: f64) {
-    let apart = (found - expected).abs() / expected.abs().max(1.0);
-    assert!(apart <= allowed, "{what}: {found}, not {expected}");
-}
 
 /// Every number of a cycle by the same name.
 fn compare<L: FrictionLaw>(system: &MassOnBelt<L>) -> usize {
     let cycles = limit_cycle::find(system).unwrap();
     for cycle in &cycles {
         let orbit = shoot(system, &cycle.state(), Period::Free(cycle.period())).unwrap();
-        let close = |what: &str, found: f64, expected: f64| close(what, found, expected, 1e-12);
-        close("frequency", orbit.frequency(), cycle.frequency());
-        close("amplitude", orbit.amplitude(0), cycle.amplitude());
-        close(
-            "mean",
-            orbit.mean_displacement(0),
-            cycle.mean_displacement(),
-        );
-        close("rms velocity", orbit.rms_velocity(0), cycle.rms_velocity());
-        close(
-            "rms acceleration",
-            orbit.rms_acceleration(0),
-            cycle.rms_acceleration(),
-        );
-        close(
-            "peak acceleration",
-            orbit.peak_acceleration(0),
-            cycle.peak_acceleration(),
-        );
-        close("stick", orbit.stick_duration(0), cycle.stick_duration());
-        close(
-            "speed",
-            orbit.max_sliding_speed(0),
-            cycle.max_sliding_speed(),
-        );
-        let (found, expected) = (orbit.energy(), cycle.energy());
-        close("drive work", found.drive_work[0], expected.drive_work);
-        close("belt work", found.belt_work[0], expected.belt_work);
-        close("damper loss", found.damper_loss, expected.damper_loss);
-        close(
-            "friction loss",
-            found.friction_loss[0],
-            expected.friction_loss,
-        );
+        let mut worst = Worst::default();
+        let (energy, of_cycle) = (orbit.energy(), cycle.energy());
+        for (what, found, expected) in [
+            ("frequency", orbit.frequency(), cycle.frequency()),
+            ("amplitude", orbit.amplitude(0), cycle.amplitude()),
+            (
+                "mean",
+                orbit.mean_displacement(0),
+                cycle.mean_displacement(),
+            ),
+            ("rms velocity", orbit.rms_velocity(0), cycle.rms_velocity()),
+            (
+                "rms acceleration",
+                orbit.rms_acceleration(0),
+                cycle.rms_acceleration(),
+            ),
+            (
+                "peak",
+                orbit.peak_acceleration(0),
+                cycle.peak_acceleration(),
+            ),
+            ("stick", orbit.stick_duration(0), cycle.stick_duration()),
+            (
+                "speed",
+                orbit.max_sliding_speed(0),
+                cycle.max_sliding_speed(),
+            ),
+            ("drive work", energy.drive_work[0], of_cycle.drive_work),
+            ("belt work", energy.belt_work[0], of_cycle.belt_work),
+            ("damper loss", energy.damper_loss, of_cycle.damper_loss),
+            (
+                "friction loss",
+                energy.friction_loss[0],
+                of_cycle.friction_loss,
+            ),
+        ] {
+            worst.meet(what, found, expected);
+        }
         for (found, expected) in [
             (orbit.harmonics(0, 5), cycle.harmonics(5)),
             (orbit.velocity_harmonics(0, 5), cycle.velocity_harmonics(5)),
@@ -67,9 +65,10 @@ fn compare<L: FrictionLaw>(system: &MassOnBelt<L>) -> usize {
         ] {
             assert_eq!(found.len(), 5);
             for (found, expected) in found.iter().zip(expected) {
-                close("harmonic", found.norm(), expected.norm());
+                worst.meet("harmonic", found.norm(), expected.norm());
             }
         }
+        worst.assert("cycle", 1e-12);
     }
     cycles.len()
 }
@@ -111,7 +110,7 @@ fn energies_of_the_reference_orbits_close() {
         );
         for (c, loss) in energy.friction_loss.iter().enumerate() {
             let supplied = energy.drive_work[c] - energy.belt_work[c];
-            close(id, supplied, *loss, 1e-12);
+            assert_met(id, supplied, *loss, 1e-12);
         }
         compared += 1;
     }
@@ -135,7 +134,7 @@ fn heat_per_period_is_that_of_the_reference() {
         let expected = numbers(&case["dissipated"]);
         let losses = system.energy_budget(&motion).unwrap().friction_loss;
         for (found, expected) in losses.iter().zip(expected) {
-            close(id, *found, expected, 1e-12);
+            assert_met(id, *found, expected, 1e-12);
             compared += 1;
         }
     }
@@ -156,38 +155,35 @@ fn a_linear_motion_has_one_harmonic() {
     // The second mass slides steadily, at 0.3.
     let start = State::new(&[0.1, 0.3], &[0.0, 0.0]);
     let orbit = shoot(&system, &start, Period::Driven(1)).unwrap();
-    let close = |what: &str, found: f64, expected: f64| close(what, found, expected, 1e-14);
     let amplitude = force / (k - m * omega * omega).hypot(c * omega);
-    close("amplitude", orbit.amplitude(0), amplitude);
-    close("mean", orbit.mean_displacement(0), 0.0);
-    close("mean of the other", orbit.mean_displacement(1), 0.3);
-    close(
-        "rms",
-        orbit.rms_velocity(0),
-        amplitude * omega / 2.0_f64.sqrt(),
-    );
-    close(
-        "peak",
-        orbit.peak_acceleration(0),
-        amplitude * omega * omega,
-    );
-    close("speed", orbit.max_sliding_speed(0), 0.2);
-    let harmonics = orbit.harmonics(0, 4);
-    close("first", harmonics[0].norm(), amplitude);
+    let rms = amplitude * omega / 2.0_f64.sqrt();
+    let loss = 0.5 * c * (omega * amplitude).powi(2) * orbit.period();
+    let heat = 0.3 * 0.2 * orbit.period();
     // x = Re(a e^{iωt}), a = F/(k − mω² + icω).
     let phase = -(c * omega).atan2(k - m * omega * omega);
-    close("phase", harmonics[0].arg(), phase);
+    let harmonics = orbit.harmonics(0, 4);
+    for (what, found, expected) in [
+        ("amplitude", orbit.amplitude(0), amplitude),
+        ("mean", orbit.mean_displacement(0), 0.0),
+        ("mean of the other", orbit.mean_displacement(1), 0.3),
+        ("rms", orbit.rms_velocity(0), rms),
+        (
+            "peak",
+            orbit.peak_acceleration(0),
+            amplitude * omega * omega,
+        ),
+        ("speed", orbit.max_sliding_speed(0), 0.2),
+        ("first", harmonics[0].norm(), amplitude),
+        ("phase", harmonics[0].arg(), phase),
+        ("loss", orbit.energy().damper_loss, loss),
+        ("work", orbit.energy().force_work[0], loss),
+        ("heat", orbit.energy().friction_loss[0], heat),
+    ] {
+        assert_met(what, found, expected, 1e-14);
+    }
     for harmonic in &harmonics[1..] {
         assert!(harmonic.norm() < 1e-15);
     }
-    let loss = 0.5 * c * (omega * amplitude).powi(2) * orbit.period();
-    close("loss", orbit.energy().damper_loss, loss);
-    close("work", orbit.energy().force_work[0], loss);
-    close(
-        "heat",
-        orbit.energy().friction_loss[0],
-        0.3 * 0.2 * orbit.period(),
-    );
 }
 
 #[test]

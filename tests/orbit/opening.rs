@@ -7,17 +7,14 @@ use stick_slip::orbit::{Branch, BranchEnd, Orbit, Period, follow, settle, shoot}
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
 
-use crate::common::{Random, count, some};
+use crate::common::{Random, count, one_mass, some};
 
 /// A mass under a force and a load that both go as a sine, begun at a phase of them.
 fn lifting(frequency: f64, phase: f64) -> Result<Structure, Error> {
     let load = Drive::harmonic(1.0, frequency, phase - FRAC_PI_2)?;
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?.on_belt(0.7);
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.2)?
-        .with_force(0, Drive::harmonic(0.5, frequency, phase)?)?
-        .with_contact(contact)
+    let force = Drive::harmonic(0.5, frequency, phase)?;
+    one_mass([1.0, 0.2, 1.0], force, contact)
 }
 
 type Found = Branch<State>;

@@ -15,7 +15,7 @@ use stick_slip::{
     SystemState,
 };
 
-use crate::common::count;
+use crate::common::{count, exactly, one_mass};
 
 fn show<S: SystemState>(found: &VibrationRanges<S>) {
     for range in &found.ranges {
@@ -160,9 +160,7 @@ fn a_fold_and_a_grazing_side_by_side_bound_a_range() {
             Border::Bifurcation(BifurcationKind::Grazing)
         ]
     );
-    let [branch] = &found.branches[..] else {
-        panic!("{} branches", found.branches.len());
-    };
+    let [branch] = exactly(&found.branches);
     assert!(matches!(branch.ends[0], BranchEnd::Hopf { .. }));
     assert!(branch.points.len() < 400 && branch.bifurcations.len() == 2);
 }
@@ -226,11 +224,9 @@ fn hysteresis_of_a_drill_string_is_reported() {
 #[test]
 fn forced_motions_have_ranges_too() {
     let family = |force: f64| -> Result<Structure, Error> {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.1)?
-            .with_force(0, Drive::harmonic(force, 0.8, 0.0)?)?
-            .with_contact(Contact::new(0, Polynomial::new(0.4, 0.25, 0.5)?, 1.0)?.on_belt(0.2))
+        let force = Drive::harmonic(force, 0.8, 0.0)?;
+        let contact = Contact::new(0, Polynomial::new(0.4, 0.25, 0.5)?, 1.0)?.on_belt(0.2);
+        one_mass([1.0, 0.1, 1.0], force, contact)
     };
     let found = vibration_ranges(family, 0.1..0.3).unwrap();
     show(&found);
@@ -280,10 +276,8 @@ fn what_cannot_be_searched_is_refused() {
 fn each_motion_counts_once_in_ranges_of_all_widths() {
     let mass = |load: f64| -> Result<Structure, Error> {
         let law = Stribeck::new(0.45, 0.35, 0.05, 1)?;
-        Structure::new(&[0.5])?
-            .with_ground_spring(0, 2e6)?
-            .with_ground_damper(0, 20.0)?
-            .with_contact(Contact::new(0, law, load)?.on_belt(0.05))
+        let contact = Contact::new(0, law, load)?.on_belt(0.05);
+        one_mass([0.5, 20.0, 2e6], 0.0, contact)
     };
     // c = P (0.45 − 0.35)/0.05 e^(−1) at the Hopf point.
     let hopf = 10.0 * std::f64::consts::E;
@@ -317,11 +311,9 @@ fn ranges_end_where_the_family_has_no_system() {
         if frequency > 0.7 {
             return Err(Error::NotFree);
         }
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.06)?
-            .with_force(0, Drive::harmonic(1.0, frequency, 0.0)?)?
-            .with_contact(Contact::new(0, Polynomial::new(0.55, 0.3, 0.7)?, 0.9)?.on_belt(0.25))
+        let force = Drive::harmonic(1.0, frequency, 0.0)?;
+        let contact = Contact::new(0, Polynomial::new(0.55, 0.3, 0.7)?, 0.9)?.on_belt(0.25);
+        one_mass([1.0, 0.06, 1.0], force, contact)
     };
     let found = vibration_ranges(forced, 0.5..1.0).unwrap();
     show(&found);

@@ -5,7 +5,7 @@ use stick_slip::orbit::{Orbit, Oscillator, Period, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Event, EventKind, Integrator, System};
 
-use crate::common::{Random, kind, list, number, text};
+use crate::common::{Random, Worst, kind, list, number, text};
 use crate::reading::{cases, numbers, remembering, structure};
 
 /// Error promised for every number, in units of max(1, |value|).
@@ -61,32 +61,15 @@ pub(crate) fn start(case: &Value, contacts: usize) -> State {
     }
 }
 
-/// The largest error met, and of what.
-#[derive(Default)]
-struct Worst(f64, String);
-
-impl Worst {
-    fn meet(&mut self, what: &str, actual: f64, expected: f64) {
-        let error = (actual - expected).abs() / expected.abs().max(1.0);
-        if error.is_nan() || error > self.0 {
-            *self = Self(error, format!("{what}: {actual:e}, not {expected:e}"));
-        }
-    }
-}
-
 fn compare(case: &Value, orbit: &Orbit<State>, coordinates: &[usize]) -> Worst {
     let id = text(&case["id"]);
     let mut worst = Worst::default();
     worst.meet("period", orbit.period(), number(&case["period"]));
-    for (i, [q_min, q_max, v_min, v_max]) in (0..numbers(&case["q_min"]).len()).map(|i| {
-        let of = |name: &str| numbers(&case[name])[i];
-        (i, [of("q_min"), of("q_max"), of("v_min"), of("v_max")])
-    }) {
+    for i in 0..numbers(&case["q_min"]).len() {
         let ((a, b), (c, d)) = (orbit.extremes(i), orbit.velocity_extremes(i));
-        worst.meet("q_min", a, q_min);
-        worst.meet("q_max", b, q_max);
-        worst.meet("v_min", c, v_min);
-        worst.meet("v_max", d, v_max);
+        for (name, found) in [("q_min", a), ("q_max", b), ("v_min", c), ("v_max", d)] {
+            worst.meet(name, found, numbers(&case[name])[i]);
+        }
     }
     // A free motion may begin elsewhere.
     let expected = list(&case["events"]);
@@ -136,17 +119,9 @@ fn compare(case: &Value, orbit: &Orbit<State>, coordinates: &[usize]) -> Worst {
             since
         };
         worst.meet("time", since, expected_since);
-        for (q, expected) in event
-            .state
-            .displacements
-            .iter()
-            .zip(numbers(&expected["q"]))
-        {
-            worst.meet("q of an event", *q, expected);
-        }
-        for (v, expected) in event.state.velocities.iter().zip(numbers(&expected["v"])) {
-            worst.meet("v of an event", *v, expected);
-        }
+        let (q, v) = (&event.state.displacements, &event.state.velocities);
+        worst.meet_all(1.0, "q of an event", q, &numbers(&expected["q"]));
+        worst.meet_all(1.0, "v of an event", v, &numbers(&expected["v"]));
         if let (Some(theta), EventKind::Release(_), true) =
             (expected.get("theta"), event.kind, remembers(case))
         {
@@ -206,12 +181,13 @@ fn check<S: Oscillator + System<State = State>>(
     let orbit = shoot(system, &exact, period(case)).unwrap_or_else(|error| panic!("{id}: {error}"));
     let mut first = compare(case, &orbit, contacts);
     let found = orbit.trajectory().state_at(time).unwrap();
-    for (a, b) in found.displacements.iter().zip(&exact.displacements) {
-        first.meet("q of the start", *a, *b);
-    }
-    for (a, b) in found.velocities.iter().zip(&exact.velocities) {
-        first.meet("v of the start", *a, *b);
-    }
+    first.meet_all(
+        1.0,
+        "q of the start",
+        &found.displacements,
+        &exact.displacements,
+    );
+    first.meet_all(1.0, "v of the start", &found.velocities, &exact.velocities);
     // From beside it.
     let mut random = Random::new(11);
     let mut beside = exact.clone();
@@ -268,7 +244,7 @@ fn orbits_have_the_reference_numbers() {
             "{id}: {:.1e} ({}); from beside {:.1e} ({})",
             exact.0, exact.1, beside.0, beside.1
         );
-        if !(exact.0 <= ACCURACY && beside.0 <= ACCURACY) {
+        if !(exact.is_within(ACCURACY) && beside.is_within(ACCURACY)) {
             failures.push(id);
         }
     }

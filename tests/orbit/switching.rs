@@ -10,7 +10,7 @@ use stick_slip::{
     Contact, Drive, Error, EventKind, Exponential, MassOnBelt, Polynomial, Stribeck, Structure,
 };
 
-use crate::common::{list, number};
+use crate::common::{exactly, list, number, one_mass};
 use crate::loci::{curve, member};
 
 /// Error promised for parameters, in units of max(1, |value|).
@@ -37,9 +37,7 @@ fn branch(case: &Value, point: &Value) -> Branch<State> {
 }
 
 fn only(branch: &Branch<State>, kind: BifurcationKind) -> &Bifurcation<State> {
-    let [found] = &branch.bifurcations[..] else {
-        panic!("{:?}", branch.bifurcations)
-    };
+    let [found] = exactly(&branch.bifurcations);
     assert_eq!(found.kind, kind);
     found
 }
@@ -67,9 +65,7 @@ fn flips_lead_to_motions_of_twice_the_period() {
         let period = flip.orbit.period();
         assert_eq!(born.orbit.kind(), Period::Driven(2));
         assert!((born.orbit.period() - 2.0 * period).abs() < 1e-13 * period);
-        let [a, b] = releases(&born.orbit)[..] else {
-            panic!("{first}")
-        };
+        let [&a, &b] = exactly(&releases(&born.orbit));
         let e = 0.5 * (b - a - period).abs();
         let coefficient = (born.parameter - second) / (e * e);
         assert!(e > 1e-3 && coefficient < 0.0, "{first}: {e} {coefficient}");
@@ -188,11 +184,9 @@ fn the_asymmetric_branch_joins_mirror_images() {
 #[ignore = "a full count: a long branch; other tests follow rings and leave pitchforks"]
 fn a_ring_through_two_pitchforks_is_followed_around_its_corners() {
     let family = |frequency: f64| -> Result<Structure, Error> {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.05)?
-            .with_force(0, Drive::harmonic(3.0, frequency, 0.0)?)?
-            .with_contact(Contact::new(0, Stribeck::new(1.0, 0.4, 0.3, 1)?, 1.0)?)
+        let force = Drive::harmonic(3.0, frequency, 0.0)?;
+        let contact = Contact::new(0, Stribeck::new(1.0, 0.4, 0.3, 1)?, 1.0)?;
+        one_mass([1.0, 0.05, 1.0], force, contact)
     };
     let settled = |frequency: f64| {
         let system = family(frequency).unwrap();
@@ -265,11 +259,9 @@ fn other_kinds_are_refused() {
 #[test]
 fn a_closed_branch_of_several_periods_is_followed_once_around() {
     let family = |force: f64| -> Result<Structure, Error> {
-        Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.06)?
-            .with_force(0, Drive::harmonic(force, 1.15, 0.0)?)?
-            .with_contact(Contact::new(0, Polynomial::new(0.55, 0.3, 0.7)?, 0.9)?.on_belt(0.25))
+        let force = Drive::harmonic(force, 1.15, 0.0)?;
+        let contact = Contact::new(0, Polynomial::new(0.55, 0.3, 0.7)?, 0.9)?.on_belt(0.25);
+        one_mass([1.0, 0.06, 1.0], force, contact)
     };
     let force = 0.079375;
     let system = family(force).unwrap();

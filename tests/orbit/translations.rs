@@ -8,6 +8,8 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, Exponential, Polynomial, Structure};
 
+use crate::common::{exactly, one_mass, oscillator};
+
 /// Inertias of a shaft with a clutch between them, its spring and damper.
 const INERTIAS: [f64; 2] = [1.3, 0.7];
 const SPRING: f64 = 2.0;
@@ -31,11 +33,9 @@ fn clutch() -> Result<Structure, Error> {
 /// The same for the twist q_0 − q_1 alone: reduced mass and force.
 fn twist() -> Result<Structure, Error> {
     let [a, b] = INERTIAS;
-    Structure::new(&[a * b / (a + b)])?
-        .with_ground_spring(0, SPRING)?
-        .with_ground_damper(0, DAMPER)?
-        .with_force(0, Drive::harmonic(TORQUE * b / (a + b), FREQUENCY, 0.0)?)?
-        .with_contact(Contact::new(0, law(), 1.0)?)
+    let force = Drive::harmonic(TORQUE * b / (a + b), FREQUENCY, 0.0)?;
+    let contact = Contact::new(0, law(), 1.0)?;
+    one_mass([a * b / (a + b), DAMPER, SPRING], force, contact)
 }
 
 /// The centre of mass is a free particle, the twist an oscillator of its own.
@@ -372,9 +372,7 @@ fn symmetric([frequency, torque]: [f64; 2], is_free: bool) -> Result<Structure, 
         let contact = Contact::between(0, 1, Coulomb::new(0.6, 0.3)?, 0.6)?;
         (shaft, contact, 2.0 * torque)
     } else {
-        let twist = Structure::new(&[1.0])?
-            .with_ground_spring(0, 1.0)?
-            .with_ground_damper(0, 0.02)?;
+        let twist = oscillator([1.0, 0.02, 1.0], 0.0)?;
         let contact = Contact::new(0, Coulomb::new(0.6, 0.3)?, 0.6)?;
         (twist, contact, torque)
     };
@@ -404,9 +402,7 @@ fn pitchforks_of_a_free_shaft_are_those_of_its_twist() {
             .into_iter()
             .filter(|found| found.kind == BifurcationKind::Pitchfork)
             .collect();
-        let [pitchfork] = &pitchfork[..] else {
-            panic!("{} pitchforks", pitchfork.len());
-        };
+        let [pitchfork] = exactly(&pitchfork);
         let both = |frequency: f64, torque: f64| family([frequency, torque]);
         let ranges = [0.3..0.5, 0.85..1.0];
         let locus = orbit::locus(both, pitchfork, BEGIN[1], ranges).unwrap();
@@ -529,14 +525,11 @@ mod loci {
         contact: Contact,
         [force, frequency]: [f64; 2],
     ) -> Result<Structure, Error> {
-        let mass = Structure::new(&[1.0])?
-            .with_ground_spring(0, spring)?
-            .with_ground_damper(0, damper)?
-            .with_contact(contact)?;
-        match force {
-            0.0 => Ok(mass),
-            force => mass.with_force(0, Drive::harmonic(force, frequency, 0.0)?),
-        }
+        let force = match force {
+            0.0 => Drive::constant(0.0),
+            force => Drive::harmonic(force, frequency, 0.0)?,
+        };
+        one_mass([1.0, damper, spring], force, contact)
     }
 
     /// The bifurcations of a kind in a branch, in the order of the parameter.

@@ -1,10 +1,11 @@
 //! What is refused, with an error that names the element. Single numbers that no structure takes:
 //! tests/contract/refusals.rs.
 
-use crate::common::assert_form;
+use crate::common::polynomials::Polynomials;
+use crate::common::{message, refused};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::{Element, State};
-use stick_slip::{Contact, Coulomb, Dahl, Drive, Error, Scalar, Structure};
+use stick_slip::{Contact, Coulomb, Dahl, Drive, Error, MassOnBelt, Structure};
 
 fn law() -> Coulomb {
     Coulomb::new(0.4, 0.3).unwrap()
@@ -19,20 +20,7 @@ fn masses(n: usize) -> Structure {
 /// The element and the number of a refusal.
 #[track_caller]
 fn element<T>(result: Result<T, Error>) -> (Element, f64) {
-    match result.map(|_| ()) {
-        Err(Error::BadElement { element, value, .. }) => (element, value),
-        other => panic!("{other:?}"),
-    }
-}
-
-/// The message says what it was about, in the form of all messages.
-#[track_caller]
-fn message<T>(result: Result<T, Error>, parts: &[&str]) {
-    let text = result.map(|_| ()).unwrap_err().to_string();
-    for part in parts {
-        assert!(text.contains(part), "{part:?} is missing: {text}");
-    }
-    assert_form(&text);
+    refused!(result => Error::BadElement { element, value, .. }, (element, value))
 }
 
 #[test]
@@ -80,13 +68,9 @@ fn mass_matrices_are_symmetric_and_definite() {
 fn the_number_of_coordinates_is_bounded() {
     let most = Structure::MAX_COORDINATES;
     for n in [most + 1, 200_000] {
-        let refused = Structure::new(&vec![1.0; n]).unwrap_err();
-        let expected = ("Structure", "masses", n as f64);
-        assert!(
-            matches!(refused, Error::InvalidParameter { of, name, value, .. }
-                if (of, name, value) == expected),
-            "{refused:?}"
-        );
+        let refused = refused!(Structure::new(&vec![1.0; n]) =>
+            Error::InvalidParameter { of, name, value, .. }, (of, name, value));
+        assert_eq!(refused, ("Structure", "masses", n as f64));
         let parts = [&format!("masses = {n}")[..], "at most 4096", "modes"];
         message(Structure::new(&vec![1.0; n]), &parts);
     }
@@ -143,37 +127,24 @@ fn directions_have_different_coordinates_and_numbers_that_are_not_0() {
         &[(0, f64::INFINITY)],
     ];
     for direction in bad {
-        let Err(Error::BadDirection { direction: said }) = Contact::along(direction, law(), 1.0)
-        else {
-            panic!("{direction:?}")
-        };
+        let made = Contact::along(direction, law(), 1.0);
+        let said = refused!(&made => Error::BadDirection { direction }, direction);
         // NaN is not equal to itself.
         assert_eq!(format!("{said:?}"), format!("{direction:?}"));
-        message(
-            Contact::along(direction, law(), 1.0),
-            &["the direction", "at least one pair"],
-        );
+        message(made, &["the direction", "at least one pair"]);
     }
-    let Err(Error::BadDirection { direction }) = Contact::between(3, 3, law(), 1.0) else {
-        panic!("one coordinate")
-    };
+    let one = Contact::between(3, 3, law(), 1.0);
+    let direction = refused!(one => Error::BadDirection { direction }, direction);
     assert_eq!(direction, [(3, 1.0), (3, -1.0)]);
     // Zeros are left out, and the order does not matter.
     let contact = Contact::along(&[(2, 1.0), (1, 0.0), (0, -2.0)], law(), 1.0).unwrap();
     assert_eq!(contact.direction(), [(0, -2.0), (2, 1.0)]);
     assert_eq!(contact.coordinate(), 2);
-    for far in [
-        Contact::between(7, 0, law(), 1.0),
-        Contact::between(0, 7, law(), 1.0),
-    ] {
-        assert_eq!(
-            masses(2).with_contact(far.unwrap()),
-            Err(Error::NoSuchCoordinate {
-                element: Element::Contact(0),
-                coordinate: 7,
-                count: 2,
-            })
-        );
+    for (i, j) in [(7, 0), (0, 7)] {
+        let far = masses(2).with_contact(Contact::between(i, j, law(), 1.0).unwrap());
+        let element = refused!(far =>
+            Error::NoSuchCoordinate { element, coordinate: 7, count: 2 }, element);
+        assert_eq!(element, Element::Contact(0));
     }
 }
 
@@ -262,13 +233,9 @@ fn springs_and_dampers_connect_coordinates_that_exist() {
 fn matrices_fit() {
     for (rows, columns) in [(2, 3), (3, 2), (0, 0), (4, 4)] {
         let matrix = DMatrix::zeros(rows, columns);
-        let Err(Error::WrongSize {
-            found, expected, ..
-        }) = masses(3).with_stiffness(matrix.clone())
-        else {
-            panic!("{rows} × {columns}")
-        };
-        assert_ne!(found, expected);
+        let sizes = refused!(masses(3).with_stiffness(matrix.clone()) =>
+            Error::WrongSize { found, expected, .. }, [found, expected]);
+        assert_ne!(sizes[0], sizes[1]);
         message(
             masses(3).with_damping(matrix),
             &["damping matrix", "3 are needed"],
@@ -349,19 +316,6 @@ fn belts_do_not_jump() {
     assert!(masses(1).with_force(0, jump).is_ok());
 }
 
-/// Laws that break what the trait asks for.
-#[derive(Debug, Clone, Copy)]
-struct Law(f64, f64);
-
-impl stick_slip::FrictionLaw for Law {
-    fn static_coefficient(&self) -> f64 {
-        self.0
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        speed.constant(self.1)
-    }
-}
-
 #[test]
 fn laws_are_checked_as_for_a_mass_on_a_belt() {
     for (static_coefficient, kinetic) in [
@@ -373,15 +327,13 @@ fn laws_are_checked_as_for_a_mass_on_a_belt() {
         (0.3, f64::NEG_INFINITY),
         (f64::INFINITY, 0.3),
     ] {
-        let law = Law(static_coefficient, kinetic);
-        let refused = Contact::new(0, law, 1.0).map(|_| ()).unwrap_err();
-        let belt = stick_slip::MassOnBelt::new(law, 0.0)
-            .map(|_| ())
-            .unwrap_err();
+        let law = Polynomials::new(static_coefficient, &[kinetic]);
+        let belt = MassOnBelt::new(law.clone(), 0.0).map(drop).unwrap_err();
+        let refused = Contact::new(0, law, 1.0).map(drop).unwrap_err();
         // NaN is not equal to itself.
         assert_eq!(format!("{refused:?}"), format!("{belt:?}"));
     }
-    assert!(Contact::new(0, Law(0.4, 0.4), 1.0).is_ok());
+    assert!(Contact::new(0, Polynomials::new(0.4, &[0.4]), 1.0).is_ok());
 }
 
 #[test]

@@ -3,10 +3,10 @@
 
 use approx::assert_abs_diff_eq;
 use stick_slip::structure::State;
-use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip, Structure};
+use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip};
 
 use crate::common::bristles::{Block, Bristles, Radau, apart, follow};
-use crate::common::{Random, count};
+use crate::common::{Random, count, one_mass};
 use crate::stiff_memory::Padded;
 
 /// LuGre's bristles, Dahl's, and a law of one's own that fades or has a bump; from soft to stiff,
@@ -181,10 +181,7 @@ impl ContactLaw for Dip {
 #[test]
 fn a_limit_that_dips_at_rest_is_met() {
     for carried in [0.59, 0.45, 0.31] {
-        let block = Structure::new(&[1.0])
-            .and_then(|s| s.with_ground_spring(0, 1.0)?.with_force(0, carried))
-            .and_then(|s| s.with_contact(Contact::new(0, Dip, 1.0)?))
-            .unwrap();
+        let block = one_mass([1.0, 0.0, 1.0], carried, Contact::new(0, Dip, 1.0).unwrap()).unwrap();
         let motion = block.simulate(State::new(&[0.0], &[0.0]), 20.0).unwrap();
         let expected = 5.0 - 0.15 * (0.3 / (0.6 - carried)).ln().sqrt();
         let released = motion.events()[0].time;

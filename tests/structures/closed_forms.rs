@@ -15,7 +15,7 @@ use stick_slip::{
 };
 
 use crate::common::property::for_all;
-use crate::common::{number, on_belt, text};
+use crate::common::{number, on_belt, one_mass, text};
 use crate::reading::cases;
 
 fn forced(angular_frequency: f64, damping: f64, friction: f64, force: f64) -> ForcedOscillator {
@@ -323,10 +323,8 @@ fn friction_may_depend_on_the_direction() {
         at_rest: 0.25,
     };
     let (load, stiffness, mass) = (3.0, 2.0, 0.5);
-    let block = Structure::new(&[mass])
-        .and_then(|block| block.with_ground_spring(0, stiffness))
-        .and_then(|block| block.with_contact(Contact::new(0, law, load)?))
-        .unwrap();
+    let contact = Contact::new(0, law, load).unwrap();
+    let block = one_mass([mass, 0.0, stiffness], 0.0, contact).unwrap();
     let half = PI * (mass / stiffness).sqrt();
     let start = 4.1;
     let motion = block
@@ -365,9 +363,8 @@ fn friction_may_depend_on_the_direction() {
 #[test]
 fn a_load_that_falls_to_zero_opens_the_contact() -> Result<(), Error> {
     let load = Drive::profile(&[(0.0, 1.0), (10.0, -1.0), (30.0, -1.0), (40.0, 1.0)])?;
-    let structure = Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?.on_belt(0.1))?;
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?.on_belt(0.1);
+    let structure = one_mass([1.0, 0.0, 1.0], 0.0, contact)?;
     let motion = structure.simulate(structure::State::new(&[0.0], &[0.1]), 60.0)?;
     let kind = |wanted: EventKind| motion.events().iter().find(|event| event.kind == wanted);
     let (open, close) = (
@@ -396,9 +393,8 @@ fn a_load_that_falls_to_zero_opens_the_contact() -> Result<(), Error> {
 #[test]
 fn a_band_that_closes_with_its_load_is_left_where_the_force_reaches_it() -> Result<(), Error> {
     let load = Drive::profile(&[(0.0, 1.0), (10.0, -1.0)])?;
-    let structure = Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?)?;
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?;
+    let structure = one_mass([1.0, 0.0, 1.0], 0.0, contact)?;
     let motion = structure.simulate(structure::State::new(&[2e-16], &[0.0]), 9.0)?;
     let kinds: Vec<EventKind> = motion.events().iter().map(|event| event.kind).collect();
     assert_eq!(kinds, [EventKind::Open]);
@@ -407,9 +403,7 @@ fn a_band_that_closes_with_its_load_is_left_where_the_force_reaches_it() -> Resu
     let contact = Contact::new(0, Coulomb::new(limit, 0.3)?, 1.0)?
         .on_belt(speed)
         .with_load_gradient(0, -slope)?;
-    let structure = Structure::new(&[1.0])?
-        .with_ground_spring(0, stiffness)?
-        .with_contact(contact)?;
+    let structure = one_mass([1.0, 0.0, stiffness], 0.0, contact)?;
     let motion = structure.simulate(structure::State::new(&[0.0], &[speed]), 5.0)?;
     let release = &motion.events()[0];
     let expected = limit / ((stiffness + limit * slope) * speed);

@@ -8,7 +8,7 @@ use stick_slip::{
     Mode, Structure, Trajectory,
 };
 
-use crate::common::{Random, count, text};
+use crate::common::{Random, count, exactly, one_mass, refused, text};
 use crate::plain::Plain;
 use crate::reading::{cases, law, structure};
 use crate::work::Work;
@@ -240,9 +240,7 @@ fn a_contact_may_run_along_a_coordinate_that_it_does_not_accelerate() {
         // q_0 goes alone.
         let motion = pair.simulate(start, 2.0).unwrap();
         assert_eq!(motion.events(), []);
-        let [x_0, x_1] = motion.last().displacements[..] else {
-            panic!()
-        };
+        let [&x_0, &x_1] = exactly(&motion.last().displacements);
         assert_abs_diff_eq!(x_0, pull, epsilon = 1e-14);
         assert_abs_diff_eq!(x_1, -pull, epsilon = 1e-14);
     }
@@ -351,10 +349,7 @@ fn clutches_keep_momentum() {
 fn a_heavy_mass_is_a_belt() {
     let law = Exponential::new(0.5, 0.3, 0.25).unwrap();
     let force = || Drive::sine(0.6, 0.9).unwrap();
-    let on_belt = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_force(0, force()))
-        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
-        .unwrap();
+    let on_belt = one_mass([1.0, 0.0, 1.0], force(), Contact::new(0, law, 1.0).unwrap()).unwrap();
     let jointed = Structure::new(&[1.0, 1e12])
         .and_then(|s| s.with_ground_spring(0, 1.0)?.with_force(0, force()))
         .and_then(|s| s.with_contact(Contact::between(0, 1, law, 1.0)?))
@@ -387,9 +382,7 @@ fn a_large_load_makes_a_rigid_pair() {
         for (t, state) in motion.sample(100) {
             let (sin, cos) = (omega * t).sin_cos();
             let expected = middle + (0.1 - middle) * cos + 0.4 / omega * sin;
-            let [q_0, q_1] = state.displacements[..] else {
-                panic!()
-            };
+            let [&q_0, &q_1] = exactly(&state.displacements);
             assert!((q_1 - expected).abs() < 1e-13, "{load} {t}");
             assert!((q_0 - q_1 - 0.4).abs() < 1e-14, "{load} {t}");
         }
@@ -441,9 +434,7 @@ fn clutches_in_series_lock_one_after_the_other() {
     let motion = shafts.simulate(start, 20.0).unwrap();
     use EventKind::Stick;
     assert_eq!(keys(&motion), [(0, Stick), (1, Stick)]);
-    let [first, second] = motion.events() else {
-        panic!()
-    };
+    let [first, second] = exactly(motion.events());
     // 0 loses 0.6, 1 gains 0.6 − 0.12, 2 gains 0.12; then 0 and 1 lose 0.06 each.
     let lock = 6.0 / 1.08;
     assert_abs_diff_eq!(first.time, lock, epsilon = 1e-14);
@@ -498,15 +489,10 @@ fn parallel_clutches_that_lock_are_undetermined() {
     let slides = shafts(4.0).simulate(start.clone(), 5.0).unwrap();
     assert!(slides.events().is_empty());
     // r' = 4 − 3.
-    let [v_0, v_1, _] = slides.last().velocities[..] else {
-        panic!()
-    };
+    let [&v_0, &v_1, _] = exactly(&slides.last().velocities);
     assert!((v_0 - v_1 - 8.0).abs() < 1e-13, "{v_0} {v_1}");
     // A start at rest is refused at once.
-    assert!(matches!(
-        shafts(0.0).simulate(State::at_rest(3), 1.0),
-        Err(Error::Undetermined { .. })
-    ));
+    refused!(shafts(0.0).simulate(State::at_rest(3), 1.0) => Error::Undetermined { .. });
 }
 
 /// A load that jumps away: what the others hold is asked with what is left.
@@ -542,10 +528,7 @@ fn a_contact_without_load_holds_nothing() {
     };
     let start = State::at_rest(1);
     let above = mass(pressed(&[(0.0, 1e-9), (1.0, 1.0)]));
-    assert!(matches!(
-        above.carried(0.0, &start),
-        Err(Error::Undetermined { .. })
-    ));
+    refused!(above.carried(0.0, &start) => Error::Undetermined { .. });
     for points in [[(0.0, -3.0), (1.0, -1.0)], [(0.0, 0.0), (1.0, -1.0)]] {
         let mass = mass(pressed(&points));
         assert_eq!(mass.carried(0.0, &start).unwrap(), [0.0, 0.4]);
@@ -639,9 +622,7 @@ fn contacts_come_to_rest_with_those_that_they_depend_on() {
         ended += usize::from(matches!(found, Err(Error::Undetermined { .. })));
         let motion = motion(&pair, &start, 30.0);
         for pair in motion.events().chunks(2) {
-            let [first, second] = pair else {
-                panic!("{i}: {pair:?}")
-            };
+            let [first, second] = exactly(pair);
             assert_eq!(first.time, second.time, "{i}");
             assert_eq!([first.contact, second.contact], [0, 2], "{i}");
             together += 1;
@@ -687,9 +668,7 @@ fn contacts_come_to_rest_together_beside_one_that_holds() {
             };
             let events = motion.events();
             for pair in events.chunks(2) {
-                let [first, second] = pair else {
-                    panic!("{i}, {tolerance:e}: {events:?}")
-                };
+                let [first, second] = exactly(pair);
                 assert_eq!(first.time, second.time, "{i}, {tolerance:e}");
                 assert_eq!(
                     [first.contact, second.contact],

@@ -7,6 +7,8 @@ use stick_slip::{
     Segment, Structure, Tabulated,
 };
 
+use crate::common::{exactly, one_mass};
+
 use crate::work::Work;
 
 /// Without a spring a step may be so long that its series overflow.
@@ -51,15 +53,11 @@ fn a_block_without_a_spring_slides_to_a_stop() {
         let expected = sum * part / (3.0 * load);
         for spring in [0.0, 1e-30, 1e-20] {
             for belt in [0.0, 1.0] {
-                let block = Structure::new(&[1.0])
-                    .and_then(|s| s.with_ground_spring(0, spring))
-                    .and_then(|s| s.with_contact(Contact::new(0, law, load)?.on_belt(belt)))
-                    .unwrap();
+                let contact = Contact::new(0, law, load).unwrap().on_belt(belt);
+                let block = one_mass([1.0, 0.0, spring], 0.0, contact).unwrap();
                 let start = State::new(&[0.0], &[belt + speed]);
                 let motion = block.simulate(start, 1.5 * expected).unwrap();
-                let [stick] = motion.events() else {
-                    panic!("{speed} {spring:e} {belt}: {:?}", motion.events());
-                };
+                let [stick] = exactly(motion.events());
                 assert_eq!(stick.kind, EventKind::Stick);
                 let error = stick.time / expected - 1.0;
                 assert!(error.abs() < 2e-12, "{speed} {spring:e} {belt}: {error:e}");

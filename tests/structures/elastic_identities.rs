@@ -11,7 +11,7 @@ use stick_slip::{
 };
 
 use crate::common::orbit::integrate;
-use crate::common::{Random, count, some};
+use crate::common::{Random, count, one_mass, some};
 
 /// A mean value and one harmonic.
 #[derive(Debug, Clone, Copy)]
@@ -330,10 +330,7 @@ fn sliders_stop_where_a_fast_surface_turns() {
             .unwrap()
             .on_belt(Drive::sine(1.0, frequency).unwrap());
         for stiffness in [0.0, 1e20] {
-            let wall = Structure::new(&[1e20])
-                .and_then(|s| s.with_ground_spring(0, stiffness))
-                .and_then(|s| s.with_contact(element.clone()))
-                .unwrap();
+            let wall = one_mass([1e20, 0.0, stiffness], 0.0, element.clone()).unwrap();
             let motion = wall.simulate(State::at_rest(1), 20.0 / frequency).unwrap();
             let stops = motion.events().iter();
             let stops = stops.filter(|event| event.kind == EventKind::Stick);

@@ -1,6 +1,6 @@
 //! Closed formulas against motions.
 
-use crate::common::on_belt;
+use crate::common::{on_belt, one_mass};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
@@ -91,10 +91,8 @@ fn shaken<L: FrictionLaw + Send + Sync + 'static>(
     let belt = Drive::harmonic(amplitude, omega, 0.0)
         .and_then(|belt| belt.with_constant(velocity))
         .unwrap();
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, damping))
-        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(belt)))
-        .unwrap()
+    let contact = Contact::new(0, law, 1.0).unwrap().on_belt(belt);
+    one_mass([1.0, damping, 1.0], 0.0, contact).unwrap()
 }
 
 #[test]

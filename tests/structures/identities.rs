@@ -11,7 +11,7 @@ use stick_slip::{
 };
 
 use crate::common::property::for_all;
-use crate::common::{count, forced};
+use crate::common::{count, exactly, forced, one_mass};
 use crate::work::Work;
 
 /// Two blocks on belts that oscillate together, with velocities w̄_i + W', and the same from the
@@ -176,9 +176,7 @@ fn clones_stay_together_to_the_bit() {
         let motion = blocks(&belt).simulate(State::at_rest(2), 200.0).unwrap();
         assert!(motion.events().len() > 50);
         for pair in motion.events().chunks(2) {
-            let [a, b] = pair else {
-                panic!("an odd number of events")
-            };
+            let [a, b] = exactly(pair);
             assert_eq!((a.contact, b.contact), (0, 1));
             assert_eq!((a.time, a.kind, &a.state), (b.time, b.kind, &b.state));
         }
@@ -202,11 +200,9 @@ fn energy_balances() {
 #[test]
 fn late_phases_are_the_early_ones() {
     let (omega, law) = (1.3, Exponential::new(0.5, 0.3, 0.25).unwrap());
-    let structure = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.06))
-        .and_then(|s| s.with_force(0, Drive::sine(0.3, omega)?))
-        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2)))
-        .unwrap();
+    let force = Drive::sine(0.3, omega).unwrap();
+    let contact = Contact::new(0, law, 1.0).unwrap().on_belt(0.2);
+    let structure = one_mass([1.0, 0.06, 1.0], force, contact).unwrap();
     let period = structure.period().unwrap();
     let late_events = |periods: f64| {
         let start = Integrator::new()
@@ -298,13 +294,9 @@ fn many_periods_lose_no_phase() {
 #[test]
 fn a_stuck_mass_is_carried_exactly() {
     let omega = 0.9;
-    let structure = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0))
-        .and_then(|s| {
-            let contact = Contact::new(0, Coulomb::new(0.9, 0.5)?, 10.0)?;
-            s.with_contact(contact.on_belt(Drive::sine(0.4, omega)?))
-        })
-        .unwrap();
+    let contact = Contact::new(0, Coulomb::new(0.9, 0.5).unwrap(), 10.0).unwrap();
+    let contact = contact.on_belt(Drive::sine(0.4, omega).unwrap());
+    let structure = one_mass([1.0, 0.0, 1.0], 0.0, contact).unwrap();
     let start = State::new(&[0.0], &[0.0]);
     let flow = Integrator::new().flow(&structure, start).unwrap();
     let (mut last, mut steps) = (None, 0);

@@ -5,6 +5,8 @@ use stick_slip::{
     PhysicalMassOnBelt, Scalar, Segment, Slip, State, Structure, structure,
 };
 
+use crate::common::one_mass;
+
 fn law() -> Coulomb {
     Coulomb::new(0.4, 0.3).unwrap()
 }
@@ -12,9 +14,7 @@ fn law() -> Coulomb {
 /// A block that a belt carries along against a spring.
 fn block<L: ContactLaw + Send + Sync + 'static>(law: L) -> Structure {
     let contact = Contact::new(0, law, 1.0).unwrap().on_belt(0.2);
-    let block = Structure::new(&[1.0]).unwrap();
-    let block = block.with_ground_spring(0, 1.0).unwrap();
-    block.with_contact(contact).unwrap()
+    one_mass([1.0, 0.0, 1.0], 0.0, contact).unwrap()
 }
 
 #[track_caller]

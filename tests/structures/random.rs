@@ -8,7 +8,7 @@ use stick_slip::{
 };
 
 use crate::common::simple::runge_kutta;
-use crate::common::{Random, count};
+use crate::common::{Random, count, one_mass};
 use crate::plain::{Plain, Seen};
 use crate::reading::Raised;
 
@@ -298,12 +298,9 @@ fn a_load_comes_back_over_a_mass_at_rest() {
             .and_then(|load| load.with_sine(0.33, 0.392939285640369))
             .and_then(|load| load.with_constant(0.08))
             .unwrap();
-        let structure = Structure::new(&[0.4])
-            .and_then(|s| s.with_ground_spring(0, 0.5))
-            .and_then(|s| s.with_ground_damper(0, 0.3))
-            .and_then(|s| s.with_force(0, 0.01 * f64::from(n % 4)))
-            .and_then(|s| s.with_contact(Contact::new(0, law, load)?))
-            .unwrap();
+        let force = 0.01 * f64::from(n % 4);
+        let contact = Contact::new(0, law, load).unwrap();
+        let structure = one_mass([0.4, 0.3, 0.5], force, contact).unwrap();
         let motion = structure
             .simulate(State::new(&[0.9], &[0.0]), 500.0)
             .unwrap();
@@ -323,10 +320,8 @@ fn a_load_comes_back_over_a_mass_at_rest() {
 /// Openings and closings of a contact of a mass on a spring.
 fn changes_of_load(load: Drive, unit: f64, mass: f64, duration: f64) -> Vec<(f64, EventKind)> {
     let law = Coulomb::new(0.4, 0.3).unwrap();
-    let structure = Structure::new(&[mass])
-        .and_then(|s| s.with_ground_spring(0, unit))
-        .and_then(|s| s.with_contact(Contact::new(0, law, load)?.on_belt(0.3)))
-        .unwrap();
+    let contact = Contact::new(0, law, load).unwrap().on_belt(0.3);
+    let structure = one_mass([mass, 0.0, unit], 0.0, contact).unwrap();
     let start = State::new(&[0.1], &[0.0]);
     let motion = structure.simulate(start, duration).unwrap();
     let events = motion.events().iter();
@@ -403,8 +398,7 @@ fn a_load_opens_over_a_mass_that_carries_nothing() {
         let contacts = [AnyContactLaw::Dry(dry), dwell.into()];
         for law in contacts {
             let contact = Contact::new(0, law, load.clone()).unwrap();
-            let block = Structure::new(&[1.0]).unwrap();
-            let block = block.with_contact(contact.on_belt(belt)).unwrap();
+            let block = one_mass([1.0, 0.0, 0.0], 0.0, contact.on_belt(belt)).unwrap();
             let motion = block.simulate(State::new(&[0.0], &[belt]), 14.0).unwrap();
             let kinds: Vec<EventKind> = motion.events().iter().map(|e| e.kind).collect();
             use EventKind::{Close, Open};
@@ -442,9 +436,7 @@ fn a_load_that_begins_at_zero_says_what_it_will_be() {
         let drive = Drive::harmonic(0.2, omega, -phase - 0.5)
             .and_then(|load| load.with_constant(-least))
             .unwrap();
-        let block = Structure::new(&[mass])
-            .and_then(|s| s.with_contact(Contact::new(0, law, drive)?))
-            .unwrap();
+        let block = one_mass([mass, 0.0, 0.0], 0.0, Contact::new(0, law, drive).unwrap()).unwrap();
         let (closes, closed) = (0.5 / omega, 1.9 * phase / omega);
         let start = State::new(&[0.0], &[0.7]);
         let motion = block.simulate(start, closes + closed).unwrap();
@@ -466,10 +458,8 @@ fn a_load_that_ends_at_zero_hides_no_friction_before() {
     for i in 0..40 {
         let start = [-0.226, -0.84 + 0.005 * f64::from(i)];
         let drive = Drive::profile(&points).unwrap();
-        let block = Structure::new(&[0.319])
-            .and_then(|s| s.with_ground_spring(0, 1.24))
-            .and_then(|s| s.with_contact(Contact::new(0, law, drive)?))
-            .unwrap();
+        let contact = Contact::new(0, law, drive).unwrap();
+        let block = one_mass([0.319, 0.0, 1.24], 0.0, contact).unwrap();
         let motion = block
             .simulate(State::new(&start[..1], &start[1..]), opens)
             .unwrap();
@@ -490,10 +480,8 @@ fn a_mass_on_nothing_but_bristles_comes_to_rest() {
         let force = -0.078 + 0.004 * f64::from(i);
         let law = Rational::new(0.7, 1.44).unwrap();
         let bristles = LuGre::new(law, 50.0, 0.3, 0.0).unwrap();
-        let block = Structure::new(&[0.58])
-            .and_then(|s| s.with_force(0, force))
-            .and_then(|s| s.with_contact(Contact::new(0, bristles, 1.5)?))
-            .unwrap();
+        let contact = Contact::new(0, bristles, 1.5).unwrap();
+        let block = one_mass([0.58, 0.0, 0.0], force, contact).unwrap();
         let motion = block.simulate(State::new(&[0.0], &[0.0]), 400.0).unwrap();
         assert!(motion.last().velocities[0].abs() < 1e-6 * force.abs());
         let carried = 1.5 * 50.0 * motion.last().memory[0];
@@ -513,9 +501,7 @@ fn a_contact_closes_over_a_mass_that_carries_nothing() {
                     .with_constant(0.0975)
             })
             .unwrap();
-        let block = Structure::new(&[2.9])
-            .and_then(|s| s.with_contact(Contact::new(0, dwell, load)?))
-            .unwrap();
+        let block = one_mass([2.9, 0.0, 0.0], 0.0, Contact::new(0, dwell, load).unwrap()).unwrap();
         let motion = block.simulate(State::new(&[0.29], &[0.0]), 60.0).unwrap();
         let kinds = motion.events().iter().map(|event| event.kind);
         assert!(kinds.filter(|kind| *kind == EventKind::Close).count() > 2);
@@ -538,9 +524,8 @@ fn a_block_carried_through_rest_goes_on() {
     let belt = belt.with_profile(&points).unwrap();
     let start = State::new(&[0.5524540620537817], &[belt.value(0.0)]);
     let contact = Contact::new(0, law, 0.44572098356106116).unwrap();
-    let block = Structure::new(&[0.5952527497282494])
-        .and_then(|s| s.with_contact(contact.on_belt(belt.clone())))
-        .unwrap();
+    let contact = contact.on_belt(belt.clone());
+    let block = one_mass([0.5952527497282494, 0.0, 0.0], 0.0, contact).unwrap();
     let motion = block.simulate(start, 20.0).unwrap();
     assert!((motion.last().velocities[0] - belt.value(20.0)).abs() < 1e-13);
 }

@@ -6,7 +6,7 @@ use stick_slip::{
     Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, Segment, Structure, Trajectory,
 };
 
-use crate::common::{Random, count};
+use crate::common::{Random, count, one_mass};
 
 const DURATION: f64 = 20.0;
 
@@ -362,13 +362,9 @@ fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
         let law = Coulomb::new(0.9, 0.6).unwrap();
         let mass = random.uniform(0.5, 2.0);
         let stiffness = mass * rate * rate;
-        let structure = Structure::new(&[mass])
-            .and_then(|s| s.with_ground_spring(0, stiffness))
-            .and_then(|s| {
-                let contact = Contact::new(0, law, 0.4 * stiffness * length)?;
-                s.with_contact(contact.on_belt(belt.clone()))
-            })
-            .unwrap();
+        let contact = Contact::new(0, law, 0.4 * stiffness * length).unwrap();
+        let structure =
+            one_mass([mass, 0.0, stiffness], 0.0, contact.on_belt(belt.clone())).unwrap();
         let motion = structure.simulate(State::at_rest(1), 60.0 / rate).unwrap();
         for _ in 0..50 {
             let time = random.uniform(0.0, 60.0 / rate);
@@ -457,10 +453,7 @@ fn a_state_where_a_load_jumps_is_a_start() {
     let contact = Contact::new(0, Coulomb::new(0.5, 0.5).unwrap(), load)
         .and_then(|contact| contact.with_tangential_stiffness(10.0))
         .unwrap();
-    let structure = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_force(0, 1.4))
-        .and_then(|s| s.with_contact(contact))
-        .unwrap();
+    let structure = one_mass([1.0, 0.0, 1.0], 1.4, contact).unwrap();
     let whole = structure.simulate(State::at_rest(1), 8.0).unwrap();
     let mut steps = whole.steps().iter();
     let before = steps

@@ -10,7 +10,7 @@ use stick_slip::{
 };
 
 use crate::common::property::for_all;
-use crate::common::{number, on_belt, text};
+use crate::common::{exactly, number, on_belt, one_mass, oscillator, text};
 use crate::reading::{Raised, cases, structure};
 
 fn bifurcations(kind: &str) -> Vec<serde_json::Value> {
@@ -66,53 +66,35 @@ fn mode_coupling(case: &serde_json::Value, coefficient: f64) -> Structure {
 
 #[test]
 fn modes_merge_at_the_reference_coefficients() {
-    let [undamped] = &bifurcations("flutter")[..] else {
-        panic!("one case")
-    };
+    let flutter = bifurcations("flutter");
+    let [undamped] = exactly(&flutter);
     let (value, omega) = (number(&undamped["value"]), number(&undamped["omega"]));
     // Below: purely imaginary, to the bit. Above: growth as the root of the distance.
-    let below = mode_coupling(undamped, value - 1e-6)
-        .steady_sliding()
-        .unwrap();
+    let sliding = |case, coefficient| mode_coupling(case, coefficient).steady_sliding().unwrap();
+    let below = sliding(undamped, value - 1e-6);
     assert!(below.eigenvalues.iter().all(|value| value.re == 0.0));
     assert!(!below.is_stable());
-    let above = mode_coupling(undamped, value + 1e-6)
-        .steady_sliding()
-        .unwrap();
+    let above = sliding(undamped, value + 1e-6);
     assert!(above.eigenvalues[0].re > 1e-4);
     assert_abs_diff_eq!(above.eigenvalues[0].im.abs(), omega, epsilon = 1e-6);
 
-    let damped = bifurcations("hopf");
-    let [damped] = &damped
-        .iter()
-        .filter(|case| case["system"].is_null())
-        .collect::<Vec<_>>()[..]
-    else {
-        panic!("one case")
-    };
+    let mut damped = bifurcations("hopf");
+    damped.retain(|case| case["system"].is_null());
+    let [damped] = exactly(&damped);
     let (value, omega) = (number(&damped["value"]), number(&damped["omega"]));
     let there = marginal(&mode_coupling(damped, value));
     assert!(
         there.re.abs() < 1e-14 && (there.im - omega).abs() < 1e-14,
         "{there}"
     );
-    let stable = |coefficient| {
-        mode_coupling(damped, coefficient)
-            .steady_sliding()
-            .unwrap()
-            .is_stable()
-    };
+    let stable = |coefficient| sliding(damped, coefficient).is_stable();
     assert!(stable(value - 1e-9) && !stable(value + 1e-9));
 }
 
 #[test]
 fn what_does_not_slide_steadily_has_no_steady_sliding() {
     let contact = || Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
-    let sprung = || {
-        Structure::new(&[1.0])
-            .and_then(|s| s.with_ground_spring(0, 1.0))
-            .unwrap()
-    };
+    let sprung = || oscillator([1.0, 0.0, 1.0], 0.0).unwrap();
     let steady = |structure: Structure| structure.steady_sliding();
     let why = |structure: Structure| match structure.steady_sliding() {
         Err(Error::NoSteadySliding(reason)) => reason,
@@ -283,13 +265,8 @@ fn bristles_have_an_eigenvalue_of_their_own() {
         (-0.05, 0.2, 8.0, 0.3, 1.0),
         (1.3, 4.0, 0.5, 0.02, 6.0),
     ] {
-        let one = Structure::new(&[mass])
-            .and_then(|s| {
-                s.with_ground_spring(0, spring)?
-                    .with_ground_damper(0, ground)
-            })
-            .and_then(|s| s.with_contact(Contact::new(0, law.clone(), load)?.on_belt(speed)))
-            .unwrap();
+        let contact = Contact::new(0, law.clone(), load).unwrap().on_belt(speed);
+        let one = one_mass([mass, ground, spring], 0.0, contact).unwrap();
         let sliding = one.steady_sliding().unwrap();
         let v = f64::abs(speed);
         let (g0, slope) = (g.kinetic(v), g.slope(v));
@@ -300,9 +277,7 @@ fn bristles_have_an_eigenvalue_of_their_own() {
         let a = (ground + load * (damping * by_velocity + viscous)) / mass;
         let b = load * (stiffness + damping * by_z) / mass;
         let k = spring / mass;
-        let [x, y, z] = sliding.eigenvalues[..] else {
-            panic!()
-        };
+        let [&x, &y, &z] = exactly(&sliding.eigenvalues);
         let found = [x + y + z, x * y + y * z + z * x, x * y * z];
         let expected = [by_z - a, k - a * by_z + b * by_velocity, k * by_z];
         for (found, expected) in std::iter::zip(found, expected) {
@@ -365,19 +340,14 @@ fn small_motions_with_memory_have_the_eigenvalues() {
 fn a_clock_of_rest_is_forgotten() {
     let dry = AnyLaw::from(Exponential::new(0.4, 0.3, 0.5).unwrap());
     let one = |speed: f64| {
-        let structure = Structure::new(&[1.0]).and_then(|s| s.with_ground_spring(0, 1.0));
         let law = Dwell::exponential(dry.clone(), 0.6, 1.0).unwrap();
-        let contact = Contact::new(0, law, 1.0).unwrap().on_belt(speed);
-        let found = structure.and_then(|s| s.with_contact(contact)).unwrap();
-        let structure = Structure::new(&[1.0]).and_then(|s| s.with_ground_spring(0, 1.0));
-        let contact = Contact::new(0, dry.clone(), 1.0).unwrap().on_belt(speed);
-        let expected = structure.and_then(|s| s.with_contact(contact)).unwrap();
-        (
-            found.steady_sliding().unwrap(),
-            expected.steady_sliding().unwrap(),
-        )
+        let remembers = Contact::new(0, law, 1.0).unwrap();
+        [remembers, Contact::new(0, dry.clone(), 1.0).unwrap()].map(|contact| {
+            let one = one_mass([1.0, 0.0, 1.0], 0.0, contact.on_belt(speed));
+            one.unwrap().steady_sliding().unwrap()
+        })
     };
-    let (found, expected) = one(0.3);
+    let [found, expected] = one(0.3);
     assert_eq!(found.displacements, expected.displacements);
     assert_eq!(found.eigenvalues[..2], expected.eigenvalues[..]);
     assert_eq!(found.eigenvalues[2], Complex::new(f64::NEG_INFINITY, 0.0));
@@ -415,14 +385,10 @@ fn stability_changes_where_the_belt_passes_its_hopf_velocities() {
     let law = stick_slip::Exponential::new(0.4, 0.25, 0.5).unwrap();
     let mass = stick_slip::MassOnBelt::new(law, 1.0).and_then(|mass| mass.with_damping(0.05));
     let hopf = stick_slip::bifurcation::hopf_velocities(&mass.unwrap(), 0.01..1.5).unwrap();
-    let [low, high] = hopf[..] else {
-        panic!("{hopf:?}")
-    };
+    let [&low, &high] = exactly(&hopf);
     let belt = Drive::profile(&[(0.0, 1.5), (100.0, 0.0), (150.0, -1.5)]).unwrap();
-    let system = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.1))
-        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(belt)))
-        .unwrap();
+    let contact = Contact::new(0, law, 1.0).unwrap().on_belt(belt);
+    let system = one_mass([1.0, 0.1, 1.0], 0.0, contact).unwrap();
     let found = system.stability_changes(-10.0..200.0).unwrap();
     let slow = |velocity: f64| 100.0 * (1.5 - velocity) / 1.5;
     let fast = |velocity: f64| 100.0 + 50.0 * velocity / 1.5;

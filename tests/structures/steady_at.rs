@@ -6,6 +6,8 @@ use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, FrictionLaw, LuGre
 
 use crate::common::property::for_all;
 
+use crate::common::{exactly, refused};
+
 fn falling() -> Exponential {
     Exponential::new(0.35, 0.3, 2.0).unwrap()
 }
@@ -207,9 +209,7 @@ fn slip_speeds_have_an_eigenvalue_where_friction_depends_on_them() {
     let found = shafts(constant).unwrap().steady_sliding_at(&[5.0, 2.0]);
     assert_eq!(found.unwrap().eigenvalues, []);
     let found = shafts(falling()).unwrap().steady_sliding_at(&[5.0, 2.0]);
-    let [value] = found.unwrap().eigenvalues[..] else {
-        panic!()
-    };
+    let [&value] = exactly(&found.unwrap().eigenvalues);
     // −N dμ̂/ds (1/J0 + 1/J1), μ̂ = 0.3 + 0.05 e^{−(s/2)²}
     let slope = -0.05 * 2.0 * 3.0 / 4.0 * (-9.0_f64 / 4.0).exp();
     assert!((value - Complex::new(-2.0 * slope * 3.0, 0.0)).norm() < 1e-15);
@@ -237,8 +237,7 @@ fn velocities_that_are_not_steady_are_refused() {
         })
     );
     for bad in [f64::NAN, f64::INFINITY] {
-        let found = pair.steady_sliding_at(&[2.0, bad, 1.0]);
-        assert!(matches!(found, Err(Error::InvalidParameter { .. })));
+        refused!(pair.steady_sliding_at(&[2.0, bad, 1.0]) => Error::InvalidParameter { .. });
     }
     let driven = pair.clone().with_force(0, Drive::sine(1.0, 1.0).unwrap());
     let found = driven.unwrap().steady_sliding_at(&[2.0, 1.0, 1.0]);
@@ -349,9 +348,7 @@ fn joints_within_what_moves_as_a_whole_feel_nothing() {
             let slope = load
                 * (falling().coefficient(slip + 1e-6) - falling().coefficient(slip - 1e-6))
                 / 2e-6;
-            let [eigenvalue] = found.eigenvalues[..] else {
-                panic!("{:?}", found.eigenvalues)
-            };
+            let [&eigenvalue] = exactly(&found.eigenvalues);
             let expected = -(slope + damping) / (mass + other);
             assert!(
                 (eigenvalue - expected).norm() < 1e-8,

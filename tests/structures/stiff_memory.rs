@@ -6,7 +6,7 @@ use stick_slip::{
     Polynomial, Scalar, Segment, Slip, Structure, Variables,
 };
 
-use crate::common::some;
+use crate::common::{one_mass, some};
 
 /// The same law with a second memory that nothing depends on: its motion is followed by explicit
 /// steps.
@@ -39,10 +39,7 @@ fn block<L: ContactLaw + Send + Sync + 'static>(
     damper: f64,
 ) -> Structure {
     let contact = Contact::new(0, law, 1.0).unwrap().on_belt(belt);
-    Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, damper))
-        .and_then(|s| s.with_contact(contact))
-        .unwrap()
+    one_mass([1.0, damper, 1.0], 0.0, contact).unwrap()
 }
 
 /// Steps, events and the last state.
@@ -122,10 +119,7 @@ fn any_stiffness_takes_as_many_steps() {
     let dry = block(g.clone(), 0.6, 0.12);
     let contact = dry.contacts()[0].clone();
     // σ2 of the bristles is a damper against the belt.
-    let dry = Structure::new(&[1.0])
-        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.12))
-        .and_then(|s| s.with_force(0, 0.02 * 0.6)?.with_contact(contact))
-        .unwrap();
+    let dry = one_mass([1.0, 0.12, 1.0], 0.02 * 0.6, contact).unwrap();
     let (_, events, limit) = follow(&dry, start.clone(), 8.0);
     assert!(events.is_empty());
     let mut before: Option<f64> = None;

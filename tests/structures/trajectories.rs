@@ -7,7 +7,7 @@ use std::panic::AssertUnwindSafe;
 use stick_slip::structure::State;
 use stick_slip::{Direction, Error, Event, EventKind, Integrator, Mode, Structure, Trajectory};
 
-use crate::common::{kind, list, number, text};
+use crate::common::{Worst, kind, list, number, text};
 use crate::reading::{cases, numbers, structure};
 
 /// Error promised for every time, displacement and velocity, in units of max(1, |value|).
@@ -71,26 +71,6 @@ fn simulate(
             (motion, Some(separation))
         }
         Err(error) => panic!("{error}"),
-    }
-}
-
-/// Largest error met, in units of what is allowed there, and where.
-#[derive(Default)]
-struct Worst(f64, String);
-
-impl Worst {
-    fn meet(&mut self, what: &str, actual: f64, expected: f64, allowed: f64) {
-        let error = (actual - expected).abs() / (allowed * expected.abs().max(1.0));
-        if error > self.0 || error.is_nan() {
-            *self = Self(error, format!("{what}: {actual:e}, not {expected:e}"));
-        }
-    }
-
-    fn meet_all(&mut self, what: &str, actual: &[f64], expected: &[f64], allowed: f64) {
-        assert_eq!(actual.len(), expected.len(), "{what}");
-        for (actual, expected) in actual.iter().zip(expected) {
-            self.meet(what, *actual, *expected, allowed);
-        }
     }
 }
 
@@ -233,15 +213,15 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
                 _ => 0.0,
             };
             let allowed = allowed(time) + late;
-            worst.meet(&what("time"), actual.time, time, allowed);
+            worst.meet_within(allowed, &what("time"), actual.time, time);
             let at = state(expected);
             let (q, v) = (&actual.state.displacements, &actual.state.velocities);
-            worst.meet_all(&what("q"), q, &at.displacements, allowed);
-            worst.meet_all(&what("v"), v, &at.velocities, allowed);
+            worst.meet_all(allowed, &what("q"), q, &at.displacements);
+            worst.meet_all(allowed, &what("v"), v, &at.velocities);
             // Where a drive breaks they have what is carried after it.
             if expected.get("at_break").is_none() {
                 let (carried, allowed) = (&actual.state.memory, allowed_force(time));
-                worst.meet_all(&what("T"), carried, &at.memory, allowed);
+                worst.meet_all(allowed, &what("T"), carried, &at.memory);
             }
             events += 1;
         }
@@ -253,13 +233,13 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
             let what = |quantity: &str| format!("{id}, time {time}: {quantity}");
             let allowed = allowed(time);
             worst.meet_all(
+                allowed,
                 &what("q"),
                 &actual.displacements,
                 &at.displacements,
-                allowed,
             );
-            worst.meet_all(&what("v"), &actual.velocities, &at.velocities, allowed);
-            worst.meet_all(&what("T"), &actual.memory, &at.memory, allowed_force(time));
+            worst.meet_all(allowed, &what("v"), &actual.velocities, &at.velocities);
+            worst.meet_all(allowed_force(time), &what("T"), &actual.memory, &at.memory);
             for (i, mode) in list(&expected["modes"]).iter().enumerate() {
                 // By coordinate, or, where contacts have directions, by contact.
                 let contact = match &case["system"]["mass"] {
@@ -285,7 +265,7 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
             allowed(end),
             worst.1
         );
-        if worst.0.is_nan() || worst.0 > 1.0 {
+        if !worst.is_within(1.0) {
             failures.push(format!("{id}: {:.2} times ({})", worst.0, worst.1));
         }
     }

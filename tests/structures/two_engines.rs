@@ -7,7 +7,7 @@ use stick_slip::{
     Structure, Tabulated, Trajectory,
 };
 
-use crate::common::{Random, number, on_belt, system_of, text};
+use crate::common::{Random, Worst, number, on_belt, system_of, text};
 use crate::reading::cases;
 
 /// Difference allowed in times and states, in units of max(1, |value|).
@@ -18,23 +18,11 @@ const ACCURACY: f64 = 1e-13;
 struct Compared {
     motions: usize,
     events: usize,
-    worst: f64,
-    about: String,
+    /// In parts of what is allowed.
+    worst: Worst,
 }
 
 impl Compared {
-    fn number(&mut self, about: &str, one: f64, other: f64, allowed: f64) {
-        let error = (one - other).abs() / one.abs().max(1.0);
-        assert!(
-            error <= allowed,
-            "{about}: {one:e} {other:e}, error {error:.1e}"
-        );
-        if error > self.worst {
-            self.worst = error;
-            self.about = about.to_owned();
-        }
-    }
-
     /// Follows one motion by both.
     fn motion<L: FrictionLaw + Clone + Send + Sync + 'static>(
         &mut self,
@@ -54,9 +42,11 @@ impl Compared {
             let about = format!("{about}, event {n}");
             assert_eq!(kinds(n).0, kinds(n).1, "{about}");
             assert_eq!(other.contact, 0);
-            self.number(&about, one.time, other.time, allowed);
+            self.worst
+                .meet_within(allowed, &about, other.time, one.time);
             let (u, v) = (other.state.displacements[0], other.state.velocities[0]);
-            self.number(&about, one.state.displacement, u, allowed);
+            self.worst
+                .meet_within(allowed, &about, u, one.state.displacement);
             // The belt's velocity, to the bit.
             assert_eq!(one.state.velocity, v, "{about}");
             self.events += 1;
@@ -64,8 +54,10 @@ impl Compared {
         assert_eq!(expected.events().len(), found.events().len(), "{about}");
         for (time, one) in expected.sample(20) {
             let other = found.state_at(time).unwrap();
-            self.number(about, one.displacement, other.displacements[0], allowed);
-            self.number(about, one.velocity, other.velocities[0], 4.0 * allowed);
+            self.worst
+                .meet_within(allowed, about, other.displacements[0], one.displacement);
+            self.worst
+                .meet_within(4.0 * allowed, about, other.velocities[0], one.velocity);
         }
     }
 }
@@ -106,10 +98,7 @@ fn reference_motions_of_the_belt() {
         compared.motion(text(&case["id"]), &belt, start, 60.0);
     }
     assert_eq!(compared.motions, 22);
-    println!(
-        "{} events, worst {:.1e} ({})",
-        compared.events, compared.worst, compared.about
-    );
+    compared.worst.assert("both engines", 1.0);
 }
 
 #[test]
@@ -126,10 +115,7 @@ fn random_belts() {
         compared.motion(&format!("{i}: {belt:?}, {start:?}"), &belt, start, 30.0);
     }
     assert!(compared.events > 2500, "{}", compared.events);
-    println!(
-        "{} events, worst {:.1e} ({})",
-        compared.events, compared.worst, compared.about
-    );
+    compared.worst.assert("both engines", 1.0);
 }
 
 /// Laws so steep that slip faster than the belt is damped at rates up to 10⁴. Where the problem
