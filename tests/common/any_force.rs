@@ -19,6 +19,7 @@ pub enum AnyForce {
     Toda(Toda),
     CubicDamper(CubicDamper),
     Mixed(Mixed),
+    Magnet(Magnet),
 }
 
 /// F = A (exp(x/l) − 1).
@@ -45,6 +46,22 @@ pub struct CubicDamper(pub f64);
 impl ForceLaw for CubicDamper {
     fn force<S: Scalar>(&self, _: S, velocity: S, _: usize) -> S {
         velocity.powi(3) * self.0
+    }
+}
+
+/// F = −A/(g − x)².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Magnet {
+    pub strength: f64,
+    pub gap: f64,
+}
+
+impl ForceLaw for Magnet {
+    fn force<S: Scalar>(&self, position: S, _: S, _: usize) -> S {
+        (-position + self.gap).square().recip() * -self.strength
+    }
+    fn potential<S: Scalar>(&self, position: S, _: usize) -> Option<S> {
+        Some((-position + self.gap).recip() * -self.strength)
     }
 }
 
@@ -82,6 +99,7 @@ macro_rules! for_each {
             AnyForce::Toda($law) => $result,
             AnyForce::CubicDamper($law) => $result,
             AnyForce::Mixed($law) => $result,
+            AnyForce::Magnet($law) => $result,
         }
     };
 }

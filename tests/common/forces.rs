@@ -1,87 +1,14 @@
-//! The laws of the force elements of the reference files.
+//! Force elements: those of the reference files, and random ones.
 
 use serde_json::Value;
-use stick_slip::{Drive, ForceElement, ForceField, ForceLaw, Scalar};
+use stick_slip::{
+    Backlash, Drive, ForceElement, ForceField, Pendulum, PolynomialSpring, Scalar, SnapThrough,
+    VanDerPol,
+};
 
+use crate::any_force::{AnyForce, CubicDamper, Magnet, Toda};
 use crate::reading::{drive, numbers};
 use crate::{Random, list, number, text};
-
-/// A law of one direction.
-#[derive(Debug, Clone)]
-pub enum Force {
-    /// Σ c_i x^i from i = 1 on.
-    Polynomial(Vec<f64>),
-    /// A sin(x/l).
-    Sine([f64; 2]),
-    /// k x (1 − L/√(x² + l²)).
-    Snap([f64; 3]),
-    /// A (e^{x/l} − 1).
-    Exponential([f64; 2]),
-    /// (b x² − a) y.
-    VanDerPol([f64; 2]),
-    /// c y³.
-    CubicDamper(f64),
-    /// −A/(g − x)².
-    Magnet([f64; 2]),
-    /// k times the part of x beyond ±g.
-    Gap([f64; 2]),
-}
-
-impl ForceLaw for Force {
-    fn force<S: Scalar>(&self, x: S, y: S, piece: usize) -> S {
-        match self {
-            Self::Polynomial(c) => {
-                let terms = c.iter().rev();
-                terms.fold(x.constant(0.0), |sum, c| (sum + *c) * x)
-            }
-            Self::Sine([a, l]) => (x / *l).sin() * *a,
-            Self::Snap([k, length, l]) => {
-                let stretched = (x.square() + l * l).sqrt();
-                (-stretched.recip() * *length + 1.0) * x * *k
-            }
-            Self::Exponential([a, l]) => ((x / *l).exp() - 1.0) * *a,
-            Self::VanDerPol([a, b]) => (x.square() * *b - *a) * y,
-            Self::CubicDamper(c) => y.powi(3) * *c,
-            Self::Magnet([a, g]) => -(-x + *g).square().recip() * *a,
-            Self::Gap([k, g]) => match piece {
-                0 => (x + *g) * *k,
-                1 => x.constant(0.0),
-                _ => (x - *g) * *k,
-            },
-        }
-    }
-
-    fn potential<S: Scalar>(&self, x: S, piece: usize) -> Option<S> {
-        Some(match self {
-            Self::Polynomial(c) => {
-                let terms = c.iter().enumerate().rev();
-                let sum = terms.fold(x.constant(0.0), |sum, (i, c)| sum * x + *c / (i + 2) as f64);
-                sum * x.square()
-            }
-            Self::Sine([a, l]) => -((x / *l).cos() - 1.0) * (a * l),
-            Self::Snap([k, length, l]) => {
-                let stretched = (x.square() + l * l).sqrt();
-                (x.square() * 0.5 - stretched * *length) * *k
-            }
-            Self::Exponential([a, l]) => ((x / *l).exp() * *l - x) * *a,
-            Self::VanDerPol(_) | Self::CubicDamper(_) => return None,
-            Self::Magnet([a, g]) => -(-x + *g).recip() * *a,
-            Self::Gap([k, g]) => match piece {
-                0 => (x + *g).square() * (0.5 * k),
-                1 => x.constant(0.0),
-                _ => (x - *g).square() * (0.5 * k),
-            },
-        })
-    }
-
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        let gap = match self {
-            Self::Gap([_, g]) => Some([-g, *g]),
-            _ => None,
-        };
-        gap.into_iter().flatten()
-    }
-}
 
 /// F_i = k (x_0² + x_1²) x_i.
 #[derive(Debug, Clone, Copy)]
@@ -102,8 +29,6 @@ impl ForceField for QuarticPair {
 
 /// An element of any kind on some of n coordinates.
 pub fn random(random: &mut Random, n: usize) -> ForceElement {
-    let size = random.uniform(0.2, 1.5);
-    let length = random.uniform(0.3, 1.5);
     let one = |random: &mut Random| (random.bits() % n as u64) as usize;
     let direction = |random: &mut Random| -> Vec<(usize, f64)> {
         match random.bits() % 3 {
@@ -111,22 +36,15 @@ pub fn random(random: &mut Random, n: usize) -> ForceElement {
             _ => (0..n).map(|j| (j, random.uniform(-1.0, 1.0))).collect(),
         }
     };
-    let law = match random.bits() % 9 {
-        0 => {
-            let rows = [0, 1].map(|_| direction(random));
-            let field = QuarticPair(size);
-            return ForceElement::field(&[&rows[0], &rows[1]], field).unwrap();
-        }
-        1 => Force::Sine([size, length]),
-        2 => Force::Snap([size, length, random.uniform(0.3, 1.0)]),
-        3 => Force::Exponential([size, length]),
-        4 => Force::VanDerPol([random.uniform(0.0, 0.3), size]),
-        5 => Force::CubicDamper(0.2 * size),
-        6 => Force::Magnet([0.05 * size, 4.0]),
-        7 => Force::Gap([size, 0.5 * length]),
-        _ => Force::Polynomial(vec![0.0, random.uniform(-0.2, 0.2), size]),
+    let kind = (random.bits() % (Random::FORCES as u64 + 1)) as usize;
+    let element = if kind == Random::FORCES {
+        let rows = [0, 1].map(|_| direction(random));
+        let field = QuarticPair(random.uniform(0.2, 1.5));
+        ForceElement::field(&[&rows[0], &rows[1]], field).unwrap()
+    } else {
+        let law = random.any_force(kind, 1.5, 1.0);
+        law.element(&direction(random))
     };
-    let element = ForceElement::along(&direction(random), law).unwrap();
     if !random.bits().is_multiple_of(3) {
         return element;
     }
@@ -143,14 +61,26 @@ pub fn element(given: &Value) -> ForceElement {
         .map(|row| numbers(row).into_iter().enumerate().collect())
         .collect();
     let law = match text(&given["law"]) {
-        "polynomial" => Force::Polynomial(numbers(&given["law_params"]["c"])),
-        "sine" => Force::Sine([value("A"), value("l")]),
-        "snap" => Force::Snap([value("k"), value("L"), value("l")]),
-        "exponential" => Force::Exponential([value("A"), value("l")]),
-        "van_der_pol" => Force::VanDerPol([value("a"), value("b")]),
-        "cubic_damper" => Force::CubicDamper(value("c")),
-        "magnet" => Force::Magnet([value("A"), value("g")]),
-        "gap" => Force::Gap([value("k"), value("g")]),
+        "polynomial" => {
+            let coefficients = numbers(&given["law_params"]["c"]);
+            AnyForce::Polynomial(PolynomialSpring::new(&coefficients).unwrap())
+        }
+        "sine" => AnyForce::Pendulum(Pendulum::new(value("A"), value("l")).unwrap()),
+        "snap" => {
+            let law = SnapThrough::new(value("k"), value("L"), value("l"));
+            AnyForce::SnapThrough(law.unwrap())
+        }
+        "exponential" => AnyForce::Toda(Toda {
+            force: value("A"),
+            length: value("l"),
+        }),
+        "van_der_pol" => AnyForce::VanDerPol(VanDerPol::new(value("a"), value("b")).unwrap()),
+        "cubic_damper" => AnyForce::CubicDamper(CubicDamper(value("c"))),
+        "magnet" => AnyForce::Magnet(Magnet {
+            strength: value("A"),
+            gap: value("g"),
+        }),
+        "gap" => AnyForce::Backlash(Backlash::new(value("k"), value("g")).unwrap()),
         "quartic_pair" => {
             let rows: Vec<_> = directions.iter().map(Vec::as_slice).collect();
             let element = ForceElement::field(&rows, QuarticPair(value("k4"))).unwrap();
@@ -158,7 +88,7 @@ pub fn element(given: &Value) -> ForceElement {
         }
         other => panic!("unknown force {other}"),
     };
-    with_factor(ForceElement::along(&directions[0], law).unwrap(), given)
+    with_factor(law.element(&directions[0]), given)
 }
 
 fn with_factor(element: ForceElement, given: &Value) -> ForceElement {

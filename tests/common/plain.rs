@@ -9,6 +9,7 @@ use stick_slip::{
 };
 
 use crate::Random;
+use crate::any_force::AnyForce;
 use crate::naive::{Question, is_definite};
 
 /// constant + Σ a cos(Ωt + φ) + straight lines through points.
@@ -95,12 +96,21 @@ pub struct PlainContact {
 }
 
 #[derive(Debug, Clone)]
+pub struct PlainElement {
+    /// a, with a number for each coordinate.
+    pub direction: DVector<f64>,
+    pub law: AnyForce,
+    pub factor: PlainDrive,
+}
+
+#[derive(Debug, Clone)]
 pub struct Plain {
     pub mass: DMatrix<f64>,
     pub stiffness: DMatrix<f64>,
     pub damping: DMatrix<f64>,
     pub forces: Vec<PlainDrive>,
     pub contacts: Vec<PlainContact>,
+    pub elements: Vec<PlainElement>,
 }
 
 /// e_i.
@@ -209,6 +219,7 @@ impl Plain {
             damping,
             forces,
             contacts,
+            elements: Vec::new(),
         }
     }
 
@@ -331,6 +342,7 @@ impl Plain {
             damping,
             forces,
             contacts,
+            elements: Vec::new(),
         }
     }
 
@@ -383,6 +395,28 @@ impl Plain {
         (0..self.contacts.len()).map(move |c| self.sliding(c, 0.0, &v))
     }
 
+    /// The same with one to three force elements.
+    pub fn with_elements(mut self, random: &mut Random) -> Self {
+        let n = self.len();
+        for _ in 0..=random.bits() % 3 {
+            let i = (random.bits() % n as u64) as usize;
+            let direction = match random.bits() % 2 {
+                0 => unit(n, i),
+                _ => DVector::from_fn(n, |_, _| random.uniform(-1.0, 1.0)),
+            };
+            let kind = (random.bits() % Random::FORCES as u64) as usize;
+            let (stiffness, length) = (random.uniform(0.2, 2.0), random.uniform(0.5, 2.0));
+            let mut factor = PlainDrive::random(random, 0.3, false);
+            factor.constant = 1.0;
+            self.elements.push(PlainElement {
+                direction,
+                law: random.any_force(kind, stiffness, length),
+                factor,
+            });
+        }
+        self
+    }
+
     /// Number of coordinates.
     pub fn len(&self) -> usize {
         self.mass.nrows()
@@ -406,6 +440,12 @@ impl Plain {
                 made = made.with_load_gradient(j, n).unwrap();
             }
             structure = structure.with_contact(made).unwrap();
+        }
+        for element in &self.elements {
+            let direction: Vec<_> = element.direction.iter().copied().enumerate().collect();
+            let made = element.law.clone().element(&direction);
+            let made = made.with_factor(element.factor.drive()).unwrap();
+            structure = structure.with_element(made).unwrap();
         }
         structure
     }
@@ -518,6 +558,11 @@ impl<'p> Simple<'p> {
         let mut force = -&plain.damping * v - &plain.stiffness * q;
         for (force, drive) in force.iter_mut().zip(&plain.forces) {
             *force += drive.at(t, before)[0];
+        }
+        for element in &plain.elements {
+            let (x, y) = (element.direction.dot(q), element.direction.dot(v));
+            let factor = element.factor.at(t, before)[0];
+            force -= &element.direction * (factor * element.law.at(x, y));
         }
         let loads = plain.loads(t, q, before);
         let mut carried = vec![0.0; loads.len()];

@@ -2,9 +2,7 @@
 
 use stick_slip::orbit::{self, AttractorKind, Period};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Error, ForceElement, Stribeck, Structure};
-
-use crate::common::forces::Force;
+use stick_slip::{Contact, Error, ForceElement, PolynomialSpring, Stribeck, Structure};
 
 /// x'' + 0.1 x' + x + x³ on a belt.
 fn hardening(velocity: f64) -> Result<Structure, Error> {
@@ -14,7 +12,7 @@ fn hardening(velocity: f64) -> Result<Structure, Error> {
         .with_ground_damper(0, 0.1)?
         .with_element(ForceElement::new(
             0,
-            Force::Polynomial(vec![0.0, 0.0, 1.0]),
+            PolynomialSpring::new(&[0.0, 0.0, 1.0])?,
         )?)?
         .with_contact(friction.on_belt(velocity))
 }

@@ -3,11 +3,12 @@
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::{Element, NotSliding, State};
 use stick_slip::{
-    Contact, Coulomb, Drive, Error, ForceElement, ForceField, ForceLaw, Integrator, Scalar,
-    Structure,
+    Backlash, Contact, Coulomb, Drive, Error, ForceElement, ForceField, ForceLaw, Integrator,
+    Pendulum, PolynomialSpring, Scalar, Structure,
 };
 
-use crate::common::forces::{Force, QuarticPair};
+use crate::common::any_force::Magnet;
+use crate::common::forces::QuarticPair;
 use crate::common::{Random, count};
 use crate::restarts::{coordinate, difference, draw, run};
 
@@ -38,6 +39,17 @@ impl ForceField for Two {
 fn mass(element: ForceElement) -> Structure {
     let mass = Structure::new(&[1.0]).unwrap();
     mass.with_element(element).unwrap()
+}
+
+/// A mass of 1 on a spring with a law.
+fn sprung<L: ForceLaw + Send + Sync + 'static>(law: L) -> Structure {
+    mass(ForceElement::new(0, law).unwrap())
+}
+
+/// The same on a belt under constant friction, 0.2 of a load.
+fn rubbing<L: ForceLaw + Send + Sync + 'static>(law: L, load: f64) -> Structure {
+    let friction = Contact::new(0, Coulomb::new(0.2, 0.2).unwrap(), load).unwrap();
+    sprung(law).with_contact(friction.on_belt(1.0)).unwrap()
 }
 
 /// A structure with a spring c and a damper d along a direction, and the same as elements, written
@@ -126,21 +138,20 @@ fn a_linear_element_is_a_spring_and_a_damper() {
 #[test]
 fn free_vibrations_have_the_periods_of_their_closed_forms() {
     // 3 (|x| − ½) beyond ½, and a spring of 1 throughout.
-    let gap = ForceElement::new(0, Force::Gap([3.0, 0.5])).unwrap();
-    let spring = |law| mass(ForceElement::new(0, law).unwrap());
+    let gap = ForceElement::new(0, Backlash::new(3.0, 0.5).unwrap()).unwrap();
     let cases = [
         (
-            spring(Force::Polynomial(vec![1.0, 0.0, 0.7])),
+            sprung(PolynomialSpring::new(&[1.0, 0.0, 0.7]).unwrap()),
             2.0,
             3.603712656168182309250034,
         ),
         (
-            spring(Force::Polynomial(vec![0.0, 0.0, 1.0])),
+            sprung(PolynomialSpring::new(&[0.0, 0.0, 1.0]).unwrap()),
             1.0,
             7.416298709205487673735401,
         ),
         (
-            spring(Force::Sine([1.0, 1.0])),
+            sprung(Pendulum::new(1.0, 1.0).unwrap()),
             2.0,
             8.349752926918494734406372,
         ),
@@ -185,7 +196,7 @@ fn series_with_gaps_are_no_polynomials() {
     for power in [3, 5, 7, 9, 12, 20] {
         let mut c = vec![0.0; power];
         c[power - 1] = 1.0;
-        let structure = mass(ForceElement::new(0, Force::Polynomial(c)).unwrap());
+        let structure = sprung(PolynomialSpring::new(&c).unwrap());
         for speed in [0.5, 1.0, 3.0] {
             let start = State::new(&[0.0], &[speed]);
             // An even power drives the mass away once it is back.
@@ -247,8 +258,8 @@ fn backlash_has_its_limits() {
     let start = || State::new(&[0.1], &[0.2]);
     let spring = base().with_ground_spring(0, 1.5).unwrap();
     let motions = [
-        (spring, with(Force::Gap([1.5, 1e-300]))),
-        (base(), with(Force::Gap([1.5, 50.0]))),
+        (spring, with(Backlash::new(1.5, 1e-300).unwrap())),
+        (base(), with(Backlash::new(1.5, 50.0).unwrap())),
     ];
     for (plain, backlash) in motions {
         let [a, b] = [plain, backlash].map(|s| s.simulate(start(), 100.0).unwrap());
@@ -265,7 +276,7 @@ fn backlash_has_its_limits() {
 /// which grow as e^t, let it.
 #[test]
 fn a_separatrix_is_followed_as_far_as_rounding_errors_let_it() {
-    let structure = mass(ForceElement::new(0, Force::Polynomial(vec![-1.0, 0.0, 1.0])).unwrap());
+    let structure = sprung(PolynomialSpring::new(&[-1.0, 0.0, 1.0]).unwrap());
     let start = State::new(&[2.0_f64.sqrt()], &[0.0]);
     let motion = structure.simulate(start, 20.0).unwrap();
     for k in 1..=20 {
@@ -325,7 +336,8 @@ fn a_factor_is_a_stiffness_that_varies() {
 #[test]
 fn samples_contain_the_forces_of_elements() {
     let factor = Drive::constant(1.0).with_harmonic(0.3, 1.7, 0.2).unwrap();
-    let element = ForceElement::between(0, 1, Force::Polynomial(vec![0.5, 0.0, 2.0])).unwrap();
+    let element =
+        ForceElement::between(0, 1, PolynomialSpring::new(&[0.5, 0.0, 2.0]).unwrap()).unwrap();
     let structure = Structure::new(&[1.0, 2.0])
         .and_then(|s| {
             s.with_ground_spring(0, 1.0)?
@@ -442,7 +454,16 @@ fn elements_that_are_wrong_are_refused() {
 #[test]
 fn singular_points_of_a_force_are_named() {
     // Pulled into a magnet at 1: v²/2 = 1/(1 − x) + constant.
-    let magnet = mass(ForceElement::new(0, Force::Magnet([1.0, 1.0])).unwrap());
+    let magnet = mass(
+        ForceElement::new(
+            0,
+            Magnet {
+                strength: 1.0,
+                gap: 1.0,
+            },
+        )
+        .unwrap(),
+    );
     match magnet.simulate(State::at_rest(1), 10.0) {
         Err(Error::NonFiniteForce {
             element: 0,
@@ -502,14 +523,9 @@ fn singular_points_of_a_force_are_named() {
 /// Newton's method against closed forms; equilibria that there are not.
 #[test]
 fn steady_sliding_is_found_with_nonlinear_forces() {
-    let rubbing = |law: Force, load: f64| {
-        let friction = Contact::new(0, Coulomb::new(0.2, 0.2).unwrap(), load).unwrap();
-        let structure = mass(ForceElement::new(0, law).unwrap());
-        structure.with_contact(friction.on_belt(1.0)).unwrap()
-    };
     // x³ = 0.2 N on a spring without a stiffness at rest.
     for load in [1e-6, 1.0, 5.0, 1e6] {
-        let cubic = rubbing(Force::Polynomial(vec![0.0, 0.0, 1.0]), load);
+        let cubic = rubbing(PolynomialSpring::new(&[0.0, 0.0, 1.0]).unwrap(), load);
         let sliding = cubic.steady_sliding().unwrap();
         let expected = (0.2 * load).cbrt();
         let found = sliding.displacements[0];
@@ -522,11 +538,11 @@ fn steady_sliding_is_found_with_nonlinear_forces() {
         assert!(sliding.eigenvalues[0].re.abs() < 1e-14 * frequency);
     }
     // A pendulum carries a moment of 1 at most.
-    let pendulum = rubbing(Force::Sine([1.0, 1.0]), 4.0)
+    let pendulum = rubbing(Pendulum::new(1.0, 1.0).unwrap(), 4.0)
         .steady_sliding()
         .unwrap();
     assert!((pendulum.displacements[0] - 0.8_f64.asin()).abs() < 1e-15);
-    let error = rubbing(Force::Sine([1.0, 1.0]), 6.0)
+    let error = rubbing(Pendulum::new(1.0, 1.0).unwrap(), 6.0)
         .steady_sliding()
         .unwrap_err();
     match error {
@@ -539,7 +555,7 @@ fn steady_sliding_is_found_with_nonlinear_forces() {
         other => panic!("{other:?}"),
     }
     // Two wells, by the start.
-    let wells = rubbing(Force::Polynomial(vec![-1.0, 0.0, 1.0]), 0.5);
+    let wells = rubbing(PolynomialSpring::new(&[-1.0, 0.0, 1.0]).unwrap(), 0.5);
     for start in [-1.0, 1.0] {
         let x = wells.steady_sliding_from(&[start]).unwrap().displacements[0];
         assert!((x.powi(3) - x - 0.1).abs() < 1e-15 && (x - start).abs() < 0.1);
@@ -547,7 +563,7 @@ fn steady_sliding_is_found_with_nonlinear_forces() {
     assert!(wells.steady_sliding_from(&[f64::NAN]).is_err());
     assert!(wells.steady_sliding_from(&[0.0; 2]).is_err());
     // On a breakpoint the stiffness is that of neither side.
-    let gap = rubbing(Force::Gap([1.0, 0.25]), 1.0);
+    let gap = rubbing(Backlash::new(1.0, 0.25).unwrap(), 1.0);
     let gap = gap.with_ground_spring(0, 0.8).unwrap();
     match gap.steady_sliding() {
         Err(Error::NoSteadySliding(NotSliding::AtBreakpoint {
@@ -582,7 +598,7 @@ fn undamped_structures_do_not_grow_by_rounding() {
 /// A tolerance is kept with elements, too.
 #[test]
 fn errors_follow_the_tolerance() {
-    let structure = mass(ForceElement::new(0, Force::Sine([1.0, 1.0])).unwrap());
+    let structure = sprung(Pendulum::new(1.0, 1.0).unwrap());
     let start = || State::new(&[0.0], &[1.5]);
     let exact = structure.simulate(start(), 30.0).unwrap().last();
     for tolerance in [1e-12, 1e-9, 1e-6] {

@@ -271,6 +271,46 @@ fn a_simple_integrator_sees_the_same_events() {
     assert!(all.undecided * 10 < cases, "{all}");
 }
 
+/// The same with force elements of all kinds.
+#[test]
+fn a_simple_integrator_sees_the_same_events_with_force_elements() {
+    let mut random = Random::new(502);
+    let mut all = Comparison::default();
+    let (mut tried, cases) = (0, count(30, 300));
+    while tried < cases {
+        let is_shared = random.bits().is_multiple_of(2);
+        let plain = match is_shared {
+            false => Plain::random(&mut random),
+            true => Plain::shared(&mut random, false),
+        };
+        let plain = plain.with_elements(&mut random);
+        let start = plain.start(&mut random);
+        if is_shared && !plain.is_clear(&start) {
+            continue;
+        }
+        tried += 1;
+        let duration = 10.0;
+        const STEP: f64 = 4e-3;
+        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
+        let motion = format!("{tried}:\n{plain:?}\n{start:?}");
+        match simulate(&plain, &start, duration) {
+            Ok((trajectory, end)) => {
+                let mut found = told(&trajectory);
+                found.extend(end);
+                all.add(&found, [&coarse, &fine], duration, &motion);
+            }
+            Err(Error::Undetermined { .. }) => {
+                let is_seen = fine.iter().chain(&coarse).any(|seen| seen.2 == 'u');
+                assert!(is_seen, "{fine:?}\n{motion}");
+            }
+            Err(error) => panic!("{error}\n{motion}"),
+        }
+    }
+    println!("{all}");
+    assert!(all.compared > 3 * cases, "{all}");
+    assert!(all.undecided * 5 < cases, "{all}");
+}
+
 /// A limit of steps ends what does not end by itself.
 #[test]
 fn limits_of_work_hold() {
