@@ -187,8 +187,8 @@ fn tables_of_forces_are_those_of_friction() {
     }
 }
 
-/// The force at 0 is 0, and so may be its slope: what rounding leaves of the piece below is compared
-/// with the forces nearby.
+/// The force at 0 is 0, and so may be its slope: what rounding leaves of the piece below is
+/// compared with the forces nearby.
 #[test]
 fn tables_may_go_through_the_origin() {
     let mut random = Random::new(5);
