@@ -23,6 +23,15 @@ pub use structure::{Element, NotSliding};
 /// [`Scaling::new`](crate::Scaling::new) and a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt),
 /// and in the units of the structure for a [`Structure`](crate::Structure).
 ///
+/// | met by | variants |
+/// |---|---|
+/// | constructors of laws and of a [`MassOnBelt`](crate::MassOnBelt) | [`InvalidParameter`](Self::InvalidParameter), [`BadPoint`](Self::BadPoint), [`StaticBelowKinetic`](Self::StaticBelowKinetic), [`NonFiniteFriction`](Self::NonFiniteFriction), [`BadBreakpoints`](Self::BadBreakpoints) |
+/// | every motion | [`InvalidState`](Self::InvalidState), [`InvalidTolerance`](Self::InvalidTolerance), [`InvalidDuration`](Self::InvalidDuration), [`NonFiniteFriction`](Self::NonFiniteFriction), [`NotAnalytic`](Self::NotAnalytic), [`StepUnderflow`](Self::StepUnderflow), [`TooManySteps`](Self::TooManySteps), [`TooManyEvents`](Self::TooManyEvents) |
+/// | constructors of a [`Structure`](crate::Structure) | [`BadElement`](Self::BadElement), [`NoSuchCoordinate`](Self::NoSuchCoordinate), [`WrongSize`](Self::WrongSize), [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite), [`BadDirection`](Self::BadDirection), [`LawNotConstant`](Self::LawNotConstant), [`BeltVelocityJumps`](Self::BeltVelocityJumps) |
+/// | motions of a [`Structure`](crate::Structure), also of its steady sliding | [`WrongSize`](Self::WrongSize), [`OverLimit`](Self::OverLimit), [`Separation`](Self::Separation), [`Undetermined`](Self::Undetermined), [`NoSteadySliding`](Self::NoSteadySliding) |
+/// | searches along a parameter | [`At`](Self::At), [`Stopped`](Self::Stopped) |
+/// | searches of [`orbit`](crate::orbit) | [`NotPeriodic`](Self::NotPeriodic), [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree), [`AtRest`](Self::AtRest), [`NoHopfPoint`](Self::NoHopfPoint), [`NoSwitch`](Self::NoSwitch), [`NotSmooth`](Self::NotSmooth), [`NoDerivative`](Self::NoDerivative) |
+///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
 ///
@@ -540,8 +549,8 @@ pub enum Error {
     /// A search along a parameter was stopped by its watcher, a function set by the caller, or at
     /// its largest number of steps. The largest number is
     /// [`Search::DEFAULT_MAX_BRANCH_STEPS`](crate::Search::DEFAULT_MAX_BRANCH_STEPS), unless
-    /// [`Search::with_max_steps`](crate::Search::with_max_steps) sets another number. If
-    /// the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
+    /// [`Search::with_max_steps`](crate::Search::with_max_steps) sets another number. If the watcher
+    /// stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
     /// `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \

@@ -48,6 +48,7 @@
 //! | the attractors over a range of belt velocities, bistable ranges included | [`bifurcation::vibration_ranges`] |
 //! | the load, damping or law coefficient at which one of these changes happens | [`bifurcation::along`] |
 //! | the load at which vibration begins | [`bifurcation::silencing_load`] |
+//! | the stiffness at which vibration ends | [`bifurcation::silencing_stiffness`] |
 //! | the least damping without vibration | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; errors of the paper: [list](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |

@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 use std::ops::Range;
 
 use crate::belt::{Criticality, Equilibrium, MassOnBelt, Step};
-use crate::bifurcation::{self, DiagramPoint, VibrationRange};
+use crate::bifurcation::{self, DiagramPoint, VibrationRange, Visit};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
 use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
@@ -449,6 +449,12 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// let silent = brake.silencing_load()?; // N
     /// let light = PhysicalMassOnBelt::new(Physical { normal_force: 0.999 * silent, ..pad }, law)?;
     /// assert!(light.cycles()?.is_empty());
+    /// // Or take a stiffer spring.
+    /// let silent = brake.silencing_stiffness()?; // N/m
+    /// let stiff = PhysicalMassOnBelt::new(Physical { stiffness: 1.001 * silent, ..pad }, law)?;
+    /// assert!(stiff.cycles()?.is_empty());
+    /// let soft = PhysicalMassOnBelt::new(Physical { stiffness: 0.999 * silent, ..pad }, law)?;
+    /// assert!(!soft.cycles()?.is_empty());
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     #[doc(alias = "squeal")]
@@ -469,6 +475,38 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         let load = bifurcation::silencing_load(&self.system);
         let load = load.map_err(|error| self.in_si(error))?;
         Ok(self.scaling.newtons(load))
+    }
+
+    /// The stiffness, in N/m, at which vibration ends at the system's belt velocity:
+    /// [`bifurcation::silencing_stiffness`]. Infinite if no spring is stiff enough.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`bifurcation::silencing_stiffness`], with numbers in SI units.
+    #[doc(alias = "squeal")]
+    pub fn silencing_stiffness(&self) -> Result<f64, Error> {
+        let (physical, law) = (self.physical(), self.system.law().law());
+        let own = physical.stiffness;
+        let systems = |factor: f64, look: &mut Visit<'_>| {
+            let stiffness = factor * own;
+            let brake = PhysicalMassOnBelt::new(
+                Physical {
+                    stiffness,
+                    ..physical
+                },
+                law,
+            )?;
+            look(brake.system.belt()).map_err(|error| brake.in_si(error))
+        };
+        match bifurcation::least_stiffness(self.system.belt(), &systems) {
+            Ok(factor) => Ok(factor * own),
+            Err(mut error) => {
+                if let Error::At { value, .. } | Error::Stopped { value, .. } = &mut error {
+                    *value *= own;
+                }
+                Err(error)
+            }
+        }
     }
 
     /// Converts an error of the dimensionless system to SI units.

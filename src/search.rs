@@ -21,11 +21,11 @@ pub(crate) const LOOK_EVERY: usize = 1000;
 ///
 /// # Cost
 ///
-/// In a search of [`orbit`](crate::orbit) the unit of work is an integration step, which takes a few microseconds per mass. An oscillation
-/// takes about ten steps, more if many contacts have events. Most searches also compute the
-/// derivative of the motion with respect to its start. For a few masses, a motion with its
-/// derivative takes two to three and a half times as long as the motion alone. For 20 masses, it
-/// takes four to eight times as long.
+/// In a search of [`orbit`](crate::orbit) the unit of work is an integration step, which takes a
+/// few microseconds per mass. An oscillation takes about ten steps, more if many contacts have
+/// events. Most searches also compute the derivative of the motion with respect to its start. For a
+/// few masses, a motion with its derivative takes two to three and a half times as long as the
+/// motion alone. For 20 masses, it takes four to eight times as long.
 ///
 /// | search | work |
 /// |---|---|

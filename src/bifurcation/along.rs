@@ -85,10 +85,10 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 ///
 /// A search stops if the number of steps reaches its bound, or if its watcher, a function of yours,
 /// stops it. [`with_search`](Self::with_search) sets both; the default bound is
-/// [`Search::DEFAULT_MAX_BRANCH_STEPS`]. Bound and watcher are checked before each system; one system takes at most about 2·10⁵ steps. A search that stops returns
-/// [`Error::Stopped`] with the value reached and the results below this value, so no result is
-/// lost. After this error, raise the bound, smooth a table of scattered points, or search the rest
-/// of the range.
+/// [`Search::DEFAULT_MAX_BRANCH_STEPS`]. Bound and watcher are checked before each system; one
+/// system takes at most about 2·10⁵ steps. A search that stops returns [`Error::Stopped`] with the
+/// value reached and the results below this value, so no result is lost. After this error, raise
+/// the bound, smooth a table of scattered points, or search the rest of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
@@ -184,7 +184,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
 }
 
 /// A function called with a system.
-pub(super) type Visit<'l> = dyn FnMut(Belt<'_>) -> Result<(), Error> + 'l;
+pub(crate) type Visit<'l> = dyn FnMut(Belt<'_>) -> Result<(), Error> + 'l;
 
 /// An [`Along`] of any law.
 pub(super) struct RangeSearch<'f> {

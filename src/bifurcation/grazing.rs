@@ -41,7 +41,8 @@ use crate::state::Direction;
 /// * [`Error::InvalidParameter`] unless the range is finite and not empty;
 /// * [`Error::At`], with the belt velocity and one of the errors of
 ///   [`limit_cycle::find`](crate::limit_cycle::find);
-/// * [`Error::Stopped`] after [`Search::DEFAULT_MAX_BRANCH_STEPS`](crate::Search::DEFAULT_MAX_BRANCH_STEPS).
+/// * [`Error::Stopped`] after
+///   [`Search::DEFAULT_MAX_BRANCH_STEPS`](crate::Search::DEFAULT_MAX_BRANCH_STEPS).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};

@@ -6,7 +6,7 @@
 // | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
 // | `hopf_locus` | curves of Hopf points of any system in two parameters: the search (`mod.rs`), the equations (`equations.rs`) |
 // | `ranges.rs` | the attractors of each range |
-// | `silence.rs` | the least damping and the largest load without vibration |
+// | `silence.rs` | the damping, the load and the stiffness at which vibration ends |
 // | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 
 //! Bifurcations of one mass on its belt, and of steady sliding of any system: the belt velocities,
@@ -54,6 +54,7 @@
 //! | [`vibration_ranges`] | the set of attractors changes; the result is a list of intervals with their attractors |
 //! | [`silencing_damping`] | vibration ends: with this damping or more, no vibration lasts at the system's belt velocity |
 //! | [`silencing_load`] | vibration begins: just below this load, no vibration lasts at the system's belt velocity |
+//! | [`silencing_stiffness`] | vibration ends: with a slightly stiffer spring, no vibration lasts at the system's belt velocity |
 //! | [`hopf_locus`] | the equilibrium of any system loses or regains stability; the result is a list of curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
@@ -83,6 +84,7 @@ mod silence;
 
 pub use crate::belt::Criticality;
 pub use crate::motion::AttractorKind;
+pub(crate) use along::Visit;
 pub use along::{Along, along, along_velocities};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
@@ -96,4 +98,5 @@ pub use hopf::{criticality, hopf_velocities};
 #[cfg(feature = "orbits")]
 pub use hopf_locus::{HopfLocus, HopfPoint, SpecialHopfPoint, hopf_locus};
 pub use ranges::{VibrationRange, vibration_ranges};
-pub use silence::{silencing_damping, silencing_load};
+pub(crate) use silence::least_stiffness;
+pub use silence::{silencing_damping, silencing_load, silencing_stiffness};

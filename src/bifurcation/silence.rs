@@ -1,7 +1,7 @@
 use super::along::{Along, RangeSearch, Visit, Work};
 use crate::belt::{Belt, MassOnBelt};
 use crate::error::Error;
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, Scaled};
 use crate::limit_cycle::{Tracer, find_moving, is_frictionless};
 use crate::numerics::bracket::Bracket;
 use crate::search::Search;
@@ -69,7 +69,7 @@ fn least_damping(system: Belt<'_>) -> Result<f64, Error> {
         return Ok(0.0);
     }
     judged(
-        &|value| system.with_damping(value),
+        &|value, look| system.with_damping(value).and_then(look),
         "damping",
         &|vibrates| {
             let slope = system.law().slope(system.belt_velocity().abs());
@@ -88,16 +88,15 @@ fn least_damping(system: Belt<'_>) -> Result<f64, Error> {
     )
 }
 
-/// A search for a border with loads or dampings of its own choice, within the default bound of the
-/// work.
-fn judged<'s>(
-    with: &dyn Fn(f64) -> Result<Belt<'s>, Error>,
+/// A search for a border with loads, dampings or stiffnesses of its own choice, within the default
+/// bound of the work.
+fn judged(
+    systems: &dyn Fn(f64, &mut Visit<'_>) -> Result<(), Error>,
     parameter: &'static str,
     search: &dyn Fn(&Vibrates) -> Result<f64, Error>,
 ) -> Result<f64, Error> {
-    let systems = |value: f64, look: &mut Visit<'_>| with(value).and_then(look);
     let bound = Search::new();
-    let family = RangeSearch::of(&systems, parameter, &bound);
+    let family = RangeSearch::of(systems, parameter, &bound);
     let work = Work::of(&family);
     search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
@@ -170,7 +169,8 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
     // Under this load friction is as strong as the motion with the belt. Where the law is nearly
     // flat at v_b, the load that makes steady sliding unstable is beyond all that is of interest.
     let unit = (1.0 + damping) * speed / law.static_coefficient().max(law.kinetic(speed));
-    judged(&|value| system.with_load(value), "load", &|vibrates| {
+    let systems = |value: f64, look: &mut Visit<'_>| system.with_load(value).and_then(look);
+    judged(&systems, "load", &|vibrates| {
         let (mut silent, mut loud) = (0.0, unit.min(just_below));
         while !vibrates(loud)? {
             if loud >= just_below || loud > MOST_LOAD * unit {
@@ -189,6 +189,88 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
             }
         }
         border(vibrates, (silent, false), (loud, true))
+    })
+}
+
+/// The stiffness at which vibration ends at the system's belt velocity, as a multiple κ of the
+/// stiffness of the spring; mass, damping constant and normal force stay the same. With a slightly
+/// softer spring a vibration can last.
+///
+/// The equation of slip with the stiffness κ is that of [`MassOnBelt`] with the damping ratio β/√κ,
+/// the friction load γ²/κ, the belt velocity v_b/√κ and the law μ(√κ v_r), in the time √κ τ. κ does
+/// not change the sign of the damping of steady sliding, 2β + γ²dμ̂/ds(|v_b|). The result is
+/// * ∞ if steady sliding is unstable, or if the mass vibrates with every stiffness tried, up to
+///   10⁶;
+/// * 0 if the belt is at rest, or if the mass vibrates with no stiffness tried, down to 10⁻⁶.
+///
+/// The function encloses κ by doubling or halving, beginning with 1, and narrows the enclosure to
+/// neighbouring numbers. As in [`silencing_damping`], [`find`](crate::limit_cycle::find) decides
+/// whether the mass vibrates. The stiffnesses with vibration may form several intervals; the result
+/// is the upper end of one of them.
+///
+/// # Errors
+///
+/// * [`Error::At`], with the κ tried and one of the errors of [`find`](crate::limit_cycle::find),
+///   in the units of the equation above;
+/// * [`Error::Stopped`] after [`Search::DEFAULT_MAX_BRANCH_STEPS`].
+///
+/// ```
+/// use stick_slip::{Coulomb, MassOnBelt, analysis, bifurcation};
+///
+/// let law = Coulomb::new(0.4, 0.25)?;
+/// let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+/// let stiffness = bifurcation::silencing_stiffness(&system)?;
+/// // There the belt is as fast as the fastest belt with stick-slip.
+/// let root = stiffness.sqrt();
+/// let stiff = MassOnBelt::new(law, 0.2 / root)?
+///     .with_damping(0.05 / root)?
+///     .with_load(1.0 / stiffness)?;
+/// let fastest = analysis::coulomb::largest_stick_slip_velocity(&stiff);
+/// assert!((0.2 / root - fastest).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "squeal")]
+#[doc(alias = "critical stiffness")]
+pub fn silencing_stiffness<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Error> {
+    least_stiffness(system.belt(), &|stiffness, look| {
+        let root = stiffness.sqrt();
+        let law = Scaled::of(system.law(), root);
+        let stiff = MassOnBelt::new(law, system.belt_velocity() / root)?
+            .with_damping(system.damping() / root)?
+            .with_load(system.load() / stiffness)?;
+        look(stiff.belt())
+    })
+}
+
+/// The multiple of the stiffness of a system at which vibration ends, among the systems with other
+/// stiffnesses.
+pub(crate) fn least_stiffness(
+    system: Belt<'_>,
+    systems: &dyn Fn(f64, &mut Visit<'_>) -> Result<(), Error>,
+) -> Result<f64, Error> {
+    let (law, speed) = (system.law(), system.belt_velocity().abs());
+    if speed == 0.0 {
+        return Ok(0.0);
+    }
+    if 2.0 * system.damping() + system.load() * law.slope(speed) < 0.0 {
+        return Ok(f64::INFINITY);
+    }
+    judged(systems, "stiffness", &|vibrates| {
+        let mut silent = 1.0;
+        while vibrates(silent)? {
+            if silent > MOST_STIFFNESS {
+                return Ok(f64::INFINITY);
+            }
+            silent *= 2.0;
+        }
+        let mut loud = 0.5 * silent;
+        while !vibrates(loud)? {
+            if loud < 1.0 / MOST_STIFFNESS {
+                return Ok(0.0);
+            }
+            (silent, loud) = (loud, 0.5 * loud);
+        }
+        Ok(border(vibrates, (loud, true), (silent, false))?.next_up())
     })
 }
 
@@ -267,6 +349,9 @@ fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
 
 /// Largest and least load tried, above and below (1 + β)|v_b|/max(μ_s, μ̂(|v_b|)).
 const MOST_LOAD: f64 = 1e6;
+
+/// Largest stiffness tried, and the reciprocal of the least, in units of that of the system.
+const MOST_STIFFNESS: f64 = 1e6;
 
 /// Relative distance above the β at which steady sliding becomes stable; small cycles closer to it
 /// are not resolved.

@@ -203,6 +203,12 @@ impl LimitCycle {
         std::f64::consts::TAU / self.period()
     }
 
+    /// Frequency 1/T, per unit of time: in hertz in a cycle of a
+    /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
+    pub fn hertz(&self) -> f64 {
+        1.0 / self.period()
+    }
+
     /// Time in stick per period, dimensionless.
     pub fn stick_duration(&self) -> f64 {
         self.time_in(|mode| mode == Mode::Stick)

@@ -118,6 +118,43 @@ impl fmt::Display for BifurcationKind {
     }
 }
 
+impl<S: SystemState> Branch<S> {
+    /// The point of the branch at which the [amplitude](Orbit::amplitude) of a coordinate is
+    /// largest, for example of a resonance. `None` if the coordinate does not exist. The points of
+    /// a branch lie within 1/64 of the range: for more digits [`follow`](super::follow()) the
+    /// branch in a narrower range.
+    ///
+    /// ```
+    /// use stick_slip::orbit::{self, Period};
+    /// use stick_slip::{Drive, Error, Structure, structure::State};
+    ///
+    /// // x'' + 0.1 x' + x = cos Ωt: the largest amplitude is that at Ω² = 1 − 2·0.05².
+    /// let family = |frequency: f64| -> Result<Structure, Error> {
+    ///     Structure::new(&[1.0])?
+    ///         .with_ground_spring(0, 1.0)?
+    ///         .with_ground_damper(0, 0.1)?
+    ///         .with_force(0, Drive::harmonic(1.0, frequency, 0.0)?)
+    /// };
+    /// let start = State::at_rest(1);
+    /// let orbit = orbit::shoot(&family(0.9)?, &start, Period::Driven(1))?;
+    /// let branch = orbit::follow(family, 0.9, &orbit, 0.9..1.1)?;
+    /// let peak = branch.peak(0).ok_or("no such coordinate")?;
+    /// assert!((peak.parameter - 0.9975_f64).abs() < 0.2 / 64.0);
+    /// assert!((peak.orbit.amplitude(0) - 10.0125).abs() < 0.01);
+    /// assert!(branch.peak(1).is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "resonance")]
+    pub fn peak(&self, coordinate: usize) -> Option<&BranchPoint<S>> {
+        let amplitude = |point: &&BranchPoint<S>| point.orbit.amplitude(coordinate);
+        let points = self
+            .points
+            .iter()
+            .filter(|point| !amplitude(point).is_nan());
+        points.max_by(|a, b| amplitude(a).total_cmp(&amplitude(b)))
+    }
+}
+
 /// The reason why a [`Branch`] ends. Parameters are in their own units.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(

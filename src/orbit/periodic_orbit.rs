@@ -14,7 +14,7 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::trial::TrialMotion;
 use crate::error::Error;
-use crate::motion::{EnergyBudget, Event, Segment, SystemState, Trajectory};
+use crate::motion::{EnergyBudget, Event, EventKind, Segment, SystemState, Trajectory};
 use crate::numerics::gauss::gauss_legendre;
 use crate::numerics::power_of_two;
 use crate::numerics::sort::sort_by;
@@ -280,6 +280,11 @@ impl<S: SystemState> Orbit<S> {
         std::f64::consts::TAU / self.period()
     }
 
+    /// Frequency 1/T, per unit of time: in hertz if times are in seconds.
+    pub fn hertz(&self) -> f64 {
+        1.0 / self.period()
+    }
+
     /// Least and largest displacement of a coordinate. If the motion is periodic only up to a
     /// [translation](Self::mean_velocity), displacements are relative to a frame that moves at the
     /// mean velocity from time 0 on.
@@ -372,6 +377,26 @@ impl<S: SystemState> Orbit<S> {
     /// exist.
     pub fn stick_duration(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.stick_duration)
+    }
+
+    /// Number of times that a contact is released from stick in each period: the number of slips of
+    /// a contact that alternates between stick and slip, otherwise 0.
+    ///
+    /// ```
+    /// use stick_slip::orbit::{self, Period};
+    /// use stick_slip::{MassOnBelt, Polynomial};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let orbit = orbit::shoot(&system, &(0.1, 0.2).into(), Period::Free(7.0))?;
+    /// assert_eq!(orbit.slips(0), 1);
+    /// assert_eq!(orbit.hertz() * orbit.period(), 1.0);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn slips(&self, contact: usize) -> usize {
+        let is_release = |event: &&Event<S>| {
+            event.contact == contact && matches!(event.kind, EventKind::Release(_))
+        };
+        self.events.iter().filter(is_release).count()
     }
 
     /// Largest sliding speed |r| of a contact while it slips, where r is the relative velocity; 0

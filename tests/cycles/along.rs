@@ -9,8 +9,8 @@ use crate::common::{Random, Table, count, on_belt};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
     AttractorKind, VibrationRange, along, along_velocities, fold_velocities, grazing_velocities,
-    hopf_velocities, overshoot_velocities, silencing_damping, silencing_load, touching_velocities,
-    vibration_ranges,
+    hopf_velocities, overshoot_velocities, silencing_damping, silencing_load, silencing_stiffness,
+    touching_velocities, vibration_ranges,
 };
 use stick_slip::limit_cycle;
 use stick_slip::{
@@ -173,6 +173,31 @@ fn bad_families_and_ranges_are_errors_that_name_the_value() {
     assert_eq!(resting.hopf(), Ok(vec![]));
     assert_eq!(resting.folds(), Ok(vec![]));
     assert_eq!(resting.silence(), Ok(None));
+}
+
+/// With the stiffness κ at which vibration ends, written as a system whose own stiffness is 1, the
+/// damping at which vibration ends is that of the system.
+#[test]
+fn the_stiffness_that_silences_is_that_of_the_damping_that_silences() {
+    for (v_b, damping, load) in [(1.0, 0.03, 1.0), (-0.9, 0.02, 0.4), (0.7, 0.05, 3.0)] {
+        let law = |unit: f64| Exponential::new(0.6, 0.3, 0.4 / unit).unwrap();
+        let soft = on_belt(law(1.0), v_b, damping, load);
+        let stiffness = silencing_stiffness(&soft).unwrap();
+        let root = stiffness.sqrt();
+        let stiff = on_belt(law(root), v_b / root, damping / root, load / stiffness);
+        assert!(soft.equilibrium().unwrap().is_stable());
+        assert_close(silencing_damping(&stiff).unwrap(), damping / root, 1e-11);
+    }
+    // Unstable steady sliding stays so; without dissipation every stiffness lets the mass vibrate.
+    let unstable = on_belt(Exponential::new(0.6, 0.3, 0.4).unwrap(), 0.3, 0.01, 1.0);
+    assert_eq!(silencing_stiffness(&unstable), Ok(f64::INFINITY));
+    let flat = on_belt(Coulomb::new(0.4, 0.4).unwrap(), 0.3, 0.0, 1.0);
+    assert_eq!(silencing_stiffness(&flat), Ok(f64::INFINITY));
+    // Friction that never falls, and a belt at rest, let no vibration last.
+    let damped = on_belt(Coulomb::new(0.4, 0.4).unwrap(), 0.3, 0.1, 1.0);
+    assert_eq!(silencing_stiffness(&damped), Ok(0.0));
+    let rests = on_belt(Coulomb::new(0.4, 0.3).unwrap(), 0.0, 0.1, 1.0);
+    assert_eq!(silencing_stiffness(&rests), Ok(0.0));
 }
 
 #[test]

@@ -77,8 +77,9 @@ pub enum Border {
     /// The function `family` returns an error on the other side of this end.
     NoSystem,
     /// A periodic motion has a bifurcation at which its kind or its stability changes, or at which
-    /// it vanishes. A branch that ends with [`BranchEnd::Grazing`](super::super::BranchEnd::Grazing)
-    /// or [`BranchEnd::OneWaySlip`](super::super::BranchEnd::OneWaySlip) has the border
+    /// it vanishes. A branch that ends with
+    /// [`BranchEnd::Grazing`](super::super::BranchEnd::Grazing) or
+    /// [`BranchEnd::OneWaySlip`](super::super::BranchEnd::OneWaySlip) has the border
     /// [`BifurcationKind::Grazing`].
     Bifurcation(BifurcationKind),
     /// A periodic motion jumps: see
