@@ -13,7 +13,7 @@ use stick_slip::{
     Tabulated, TabulatedForce, VanDerPol, limit_cycle, structure,
 };
 
-use stick_slip_tests_common::one_mass;
+use stick_slip_tests_common::{on_belt, one_mass};
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
     value: &T,
@@ -33,6 +33,24 @@ macro_rules! refuse {
     ($($read:ty: $text:expr, $why:expr;)*) => { $(refused::<$read>(&$text, $why);)* };
 }
 
+/// Values in rows that are read as they were written, some with their text.
+macro_rules! there_and_back {
+    ($($value:expr $(=> $text:expr)?;)*) => { $(
+        let _text = there_and_back(&$value);
+        $(assert_eq!(_text, $text);)?
+    )* };
+}
+
+/// Texts of a type in rows, each with what is read.
+macro_rules! read {
+    ($($read:ty: $text:expr => $value:expr;)*) => { $(
+        assert_eq!(serde_json::from_str::<$read>(&$text).unwrap(), $value);
+    )* };
+}
+
+/// The text of Coulomb's law with these coefficients.
+const COULOMB: &str = r#"{"static_coefficient":0.5,"kinetic_coefficient":0.3}"#;
+
 fn table() -> Tabulated {
     Tabulated::new([(0.0, 0.4), (0.05, 0.36), (0.15, 0.31), (0.6, 0.25)]).unwrap()
 }
@@ -50,41 +68,30 @@ fn brake() -> Scaling {
 
 #[test]
 fn laws_there_and_back() {
-    let text = there_and_back(&Polynomial::new(0.4, 0.25, 0.1 + 0.2).unwrap());
-    // Parameters only, and to the bit.
-    assert_eq!(
-        text,
-        concat!(
+    let coulomb = Coulomb::new(0.5, 0.3).unwrap();
+    let stribeck = Stribeck::new(0.4, 0.25, 0.3, 1).unwrap();
+    let rational = Rational::new(0.4, 3.0).unwrap().with_offset(0.1).unwrap();
+    there_and_back! {
+        // Parameters only, and to the bit.
+        Polynomial::new(0.4, 0.25, 0.1 + 0.2).unwrap() => concat!(
             r#"{"static_coefficient":0.4,"minimum_coefficient":0.25,"#,
             r#""minimum_velocity":0.30000000000000004}"#,
-        )
-    );
-    there_and_back(&Coulomb::new(0.4, 0.25).unwrap());
-    there_and_back(&Exponential::new(0.4, 0.25, 0.5).unwrap());
-    let stribeck = Stribeck::new(0.4, 0.25, 0.3, 1).unwrap();
-    there_and_back(&stribeck.with_viscous_coefficient(0.01).unwrap());
-    let rational = Rational::new(0.4, 3.0).unwrap();
-    there_and_back(
-        &rational
-            .with_offset(0.1)
-            .unwrap()
-            .with_quadratic(0.01)
-            .unwrap(),
-    );
-    there_and_back(&table());
-    there_and_back(&table().with_static_coefficient(0.5).unwrap());
-    let lines = Tabulated::piecewise_linear([(0.0, 0.4), (0.5, 0.3)]).unwrap();
-    assert_eq!(
-        there_and_back(&lines),
-        r#"{"static_coefficient":0.4,"points":[[0.0,0.4],[0.5,0.3]],"piecewise_linear":true}"#
-    );
-    let text = there_and_back(&AnyLaw::from(Coulomb::new(0.4, 0.25).unwrap()));
-    assert_eq!(
-        text,
-        r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.25}}"#
-    );
-    there_and_back(&AnyLaw::from(table()));
-    there_and_back(&brake().law(table()));
+        );
+        coulomb => COULOMB;
+        Exponential::new(0.4, 0.25, 0.5).unwrap();
+        stribeck.with_viscous_coefficient(0.01).unwrap();
+        rational.with_quadratic(0.01).unwrap();
+        table();
+        table().with_static_coefficient(0.5).unwrap();
+        Tabulated::piecewise_linear([(0.0, 0.4), (0.5, 0.3)]).unwrap()
+            => concat!(
+                r#"{"static_coefficient":0.4,"points":[[0.0,0.4],[0.5,0.3]],"#,
+                r#""piecewise_linear":true}"#,
+            );
+        AnyLaw::from(coulomb) => format!(r#"{{"coulomb":{COULOMB}}}"#);
+        AnyLaw::from(table());
+        brake().law(table());
+    }
 }
 
 /// A contact law of each kind.
@@ -108,43 +115,33 @@ fn contact_laws_there_and_back() {
         let again: AnyContactLaw<AnyLaw> = serde_json::from_str(&text).unwrap();
         assert_eq!(serde_json::to_string(&again).unwrap(), text);
     }
-    let coulomb = r#"{"static_coefficient":0.5,"kinetic_coefficient":0.3}"#;
     let law = Coulomb::new(0.5, 0.3).unwrap();
-    assert_eq!(
-        there_and_back(&Dwell::hyperbolic(law, 0.7, 2.0).unwrap()),
-        format!(r#"{{"hyperbolic":{{"law":{coulomb},"limit":0.7,"time":2.0}}}}"#)
-    );
-    assert_eq!(
-        there_and_back(&Dwell::logarithmic(law, 0.1, 2.0).unwrap()),
-        format!(r#"{{"logarithmic":{{"law":{coulomb},"rate":0.1,"time":2.0}}}}"#)
-    );
-    assert_eq!(
-        there_and_back(&Dahl::new(0.4, 50.0).unwrap()),
-        r#"{"coefficient":0.4,"stiffness":50.0}"#
-    );
-    assert_eq!(
-        there_and_back(&LuGre::new(law, 50.0, 1.0, 0.1).unwrap()),
-        format!(r#"{{"law":{coulomb},"stiffness":50.0,"damping":1.0,"viscous":0.1}}"#)
-    );
-    let text = there_and_back(&AnyContactLaw::from(
-        LuGre::new(law, 5.0, 1.0, 0.1).unwrap(),
-    ));
-    assert!(text.starts_with(r#"{"lugre":{"law":"#), "{text}");
+    let of = |rest: &str| format!(r#"{{"law":{COULOMB},{rest}}}"#);
+    let lugre = LuGre::new(law, 50.0, 1.0, 0.1).unwrap();
+    let text = of(r#""stiffness":50.0,"damping":1.0,"viscous":0.1"#);
+    there_and_back! {
+        Dwell::hyperbolic(law, 0.7, 2.0).unwrap()
+            => format!(r#"{{"hyperbolic":{}}}"#, of(r#""limit":0.7,"time":2.0"#));
+        Dwell::logarithmic(law, 0.1, 2.0).unwrap()
+            => format!(r#"{{"logarithmic":{}}}"#, of(r#""rate":0.1,"time":2.0"#));
+        Dahl::new(0.4, 50.0).unwrap() => r#"{"coefficient":0.4,"stiffness":50.0}"#;
+        lugre => text;
+        AnyContactLaw::from(lugre) => format!(r#"{{"lugre":{text}}}"#);
+    }
     // What may be left out.
-    let read: LuGre<Coulomb> =
-        serde_json::from_str(&format!(r#"{{"law":{coulomb},"stiffness":50}}"#)).unwrap();
-    assert_eq!(read, LuGre::new(law, 50.0, 0.0, 0.0).unwrap());
+    read! { LuGre<Coulomb>: of(r#""stiffness":50"#) => LuGre::new(law, 50.0, 0.0, 0.0).unwrap(); }
 }
 
 #[test]
 fn reading_contact_laws_checks_what_constructors_check() {
-    let law = r#""law":{"static_coefficient":0.5,"kinetic_coefficient":0.3}"#;
-    let dwell = |form: &str, rest: &str| format!(r#"{{"{form}":{{{law},{rest}}}}}"#);
+    let of = |rest: &str| format!(r#"{{"law":{COULOMB},{rest}}}"#);
+    let dwell = |form: &str, rest: &str| format!(r#"{{"{form}":{}}}"#, of(rest));
     for form in ["exponential", "hyperbolic"] {
-        let text = dwell(form, r#""limit":0.4,"time":1"#);
-        refused::<Dwell<Coulomb>>(&text, "limit = 0.4 is not allowed");
-        refused::<Dwell<Coulomb>>(&dwell(form, r#""limit":0.6,"time":0"#), "time");
-        refused::<Dwell<Coulomb>>(&dwell(form, r#""rate":0.6,"time":1"#), "unknown field");
+        refuse! {
+            Dwell<Coulomb>: dwell(form, r#""limit":0.4,"time":1"#), "limit = 0.4 is not allowed";
+            Dwell<Coulomb>: dwell(form, r#""limit":0.6,"time":0"#), "time";
+            Dwell<Coulomb>: dwell(form, r#""rate":0.6,"time":1"#), "unknown field";
+        }
     }
     refuse! {
         Dwell<Coulomb>: dwell("logarithmic", r#""rate":-1,"time":1"#), "rate";
@@ -152,13 +149,12 @@ fn reading_contact_laws_checks_what_constructors_check() {
         Dahl: r#"{"coefficient":0,"stiffness":1}"#, "coefficient = 0";
         Dahl: r#"{"coefficient":1,"stiffness":-1}"#, "stiffness = -1";
         Dahl: r#"{"coefficient":1,"stiffness":1,"damping":1}"#, "unknown field";
+        LuGre<Coulomb>: of(r#""stiffness":0"#), "stiffness";
+        LuGre<Coulomb>: of(r#""stiffness":1,"damping":-1"#), "damping";
+        LuGre<Coulomb>: of(r#""stiffness":1,"viscous":-1"#), "viscous";
+        LuGre<Coulomb>: of(r#""stiffness":1,"sigma2":1"#), "unknown field";
+        AnyContactLaw<Coulomb>: r#"{"lu_gre":{}}"#, "unknown variant";
     }
-    let lugre = |rest: &str| format!(r#"{{{law},{rest}}}"#);
-    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":0"#), "stiffness");
-    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"damping":-1"#), "damping");
-    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"viscous":-1"#), "viscous");
-    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"sigma2":1"#), "unknown field");
-    refused::<AnyContactLaw<Coulomb>>(r#"{"lu_gre":{}}"#, "unknown variant");
 }
 
 /// A force law of each kind of the crate, with its text in an element.
@@ -300,67 +296,43 @@ fn structures_that_remember_there_and_back() {
 
 #[test]
 fn the_rest_there_and_back() {
-    there_and_back(&brake());
-    there_and_back(&brake().with_length(0.1).unwrap());
-    there_and_back(&brake().system(AnyLaw::from(table())).unwrap());
-    let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-    let system = MassOnBelt::new(law, -0.2)
-        .unwrap()
-        .with_damping(0.05)
-        .unwrap();
-    there_and_back(&system.with_load(2.0).unwrap());
-    there_and_back(&State::new(0.1 + 0.2, -1.0 / 3.0));
-    there_and_back(&structure::State::new(&[0.1, 0.2], &[-0.3, 0.0]).with_memory(&[0.5]));
-    let read: structure::State =
-        serde_json::from_str(r#"{"displacements":[0.1],"velocities":[0]}"#).unwrap();
-    assert_eq!(read, structure::State::new(&[0.1], &[0.0]));
+    let system = polynomial(-0.2, 0.05, 2.0);
     let events = system.simulate(State::new(0.0, 0.0), 20.0).unwrap();
     assert!(events.events().len() > 2);
-    there_and_back::<Vec<Event>>(&events.events().to_vec());
+    there_and_back! {
+        brake();
+        brake().with_length(0.1).unwrap();
+        brake().system(AnyLaw::from(table())).unwrap();
+        system;
+        State::new(0.1 + 0.2, -1.0 / 3.0);
+        structure::State::new(&[0.1, 0.2], &[-0.3, 0.0]).with_memory(&[0.5]);
+        events.events().to_vec();
+    }
 }
 
 #[test]
 fn what_may_be_left_out() {
-    let law: Stribeck = serde_json::from_str(concat!(
-        r#"{"static_coefficient":0.4,"coulomb_coefficient":0.25,"stribeck_velocity":0.3,"#,
-        r#""exponent":1}"#,
-    ))
-    .unwrap();
-    assert_eq!(law, Stribeck::new(0.4, 0.25, 0.3, 1).unwrap());
-    let law: Rational = serde_json::from_str(r#"{"static_coefficient":0.4,"decay":3}"#).unwrap();
-    assert_eq!(law, Rational::new(0.4, 3.0).unwrap());
-    let system: MassOnBelt<AnyLaw> = serde_json::from_str(concat!(
-        r#"{"law":{"tabulated":{"points":[[0,0.4],[0.05,0.36],[0.15,0.31],[0.6,0.25]]}},"#,
-        r#""belt_velocity":0.2}"#,
-    ))
-    .unwrap();
-    assert_eq!(system, MassOnBelt::new(table().into(), 0.2).unwrap());
-    let scaling: Scaling = serde_json::from_str(concat!(
-        r#"{"physical":{"mass":2,"stiffness":5000,"damping":4,"normal_force":20,"#,
-        r#""belt_velocity":0.05}}"#,
-    ))
-    .unwrap();
-    assert_eq!(scaling, brake());
+    read! {
+        Stribeck: concat!(
+            r#"{"static_coefficient":0.4,"coulomb_coefficient":0.25,"stribeck_velocity":0.3,"#,
+            r#""exponent":1}"#,
+        ) => Stribeck::new(0.4, 0.25, 0.3, 1).unwrap();
+        Rational: r#"{"static_coefficient":0.4,"decay":3}"# => Rational::new(0.4, 3.0).unwrap();
+        MassOnBelt<AnyLaw>: concat!(
+            r#"{"law":{"tabulated":{"points":[[0,0.4],[0.05,0.36],[0.15,0.31],[0.6,0.25]]}},"#,
+            r#""belt_velocity":0.2}"#,
+        ) => MassOnBelt::new(table().into(), 0.2).unwrap();
+        Scaling: concat!(
+            r#"{"physical":{"mass":2,"stiffness":5000,"damping":4,"normal_force":20,"#,
+            r#""belt_velocity":0.05}}"#,
+        ) => brake();
+        structure::State: r#"{"displacements":[0.1],"velocities":[0]}"#
+            => structure::State::new(&[0.1], &[0.0]);
+    }
 }
 
 #[test]
 fn reading_checks_what_constructors_check() {
-    refused::<Polynomial>(
-        r#"{"static_coefficient":0.4,"minimum_coefficient":0.5,"minimum_velocity":0.5}"#,
-        "minimum_coefficient = 0.5 is not allowed",
-    );
-    refused::<Coulomb>(
-        r#"{"static_coefficient":-1,"kinetic_coefficient":0}"#,
-        "static_coefficient",
-    );
-    refused::<Exponential>(
-        r#"{"static_coefficient":0.4,"kinetic_coefficient":0.2,"stribeck_velocity":0}"#,
-        "stribeck_velocity",
-    );
-    refused::<Iwan4>(
-        r#"{"slip_force":3,"stiffness":2,"exponent":-1,"ratio":0.1}"#,
-        "exponent = -1 is not allowed",
-    );
     let stribeck = |exponent: &str| {
         format!(
             concat!(
@@ -370,7 +342,19 @@ fn reading_checks_what_constructors_check() {
             exponent = exponent,
         )
     };
+    let on_belt = |rest: &str| format!(r#"{{"law":{COULOMB},{rest}}}"#);
     refuse! {
+        Polynomial: concat!(
+            r#"{"static_coefficient":0.4,"minimum_coefficient":0.5,"#,
+            r#""minimum_velocity":0.5}"#,
+        ), "minimum_coefficient = 0.5 is not allowed";
+        Coulomb: r#"{"static_coefficient":-1,"kinetic_coefficient":0}"#, "static_coefficient";
+        Exponential: concat!(
+            r#"{"static_coefficient":0.4,"kinetic_coefficient":0.2,"#,
+            r#""stribeck_velocity":0}"#,
+        ), "stribeck_velocity";
+        Iwan4: r#"{"slip_force":3,"stiffness":2,"exponent":-1,"ratio":0.1}"#,
+            "exponent = -1 is not allowed";
         Stribeck: stribeck("0"), "exponent = 0 is not allowed";
         Stribeck: stribeck("0.5"), "invalid type: floating point";
         AnyLaw: format!(r#"{{"stribeck":{}}}"#, stribeck("0")), "exponent";
@@ -378,43 +362,33 @@ fn reading_checks_what_constructors_check() {
         Rational: r#"{"static_coefficient":0.4,"decay":1,"ofset":0.1}"#, "unknown field";
         Tabulated: r#"{"points":[[0,0.4],[0,0.3]]}"#, "speed";
         Tabulated: r#"{"points":[[0,0.4],[1,0.3]],"static_coefficient":0.3}"#, "static_coefficient";
-    }
-    let law = r#"{"static_coefficient":0.4,"kinetic_coefficient":0.25}"#;
-    refuse! {
-        MassOnBelt<Coulomb>: format!(r#"{{"law":{law},"belt_velocity":1,"load":0}}"#), "load";
-        MassOnBelt<Coulomb>: format!(r#"{{"law":{law},"belt_velocity":1,"damping":-1}}"#),
-            "damping";
-        Scaled<Coulomb>: format!(r#"{{"law":{law},"velocity_unit":0}}"#), "velocity_unit";
-    }
-    refused::<Scaling>(
-        concat!(
+        MassOnBelt<Coulomb>: on_belt(r#""belt_velocity":1,"load":0"#), "load";
+        MassOnBelt<Coulomb>: on_belt(r#""belt_velocity":1,"damping":-1"#), "damping";
+        Scaled<Coulomb>: on_belt(r#""velocity_unit":0"#), "velocity_unit";
+        Scaling: concat!(
             r#"{"physical":{"mass":0,"stiffness":5000,"damping":4,"normal_force":20,"#,
             r#""belt_velocity":0.05}}"#,
-        ),
-        "mass",
-    );
+        ), "mass";
+    }
 }
 
 fn polynomial(belt_velocity: f64, damping: f64, load: f64) -> MassOnBelt<Polynomial> {
-    MassOnBelt::new(Polynomial::new(0.38, 0.22, 0.55).unwrap(), belt_velocity)
-        .and_then(|system| system.with_damping(damping))
-        .and_then(|system| system.with_load(load))
-        .unwrap()
+    let law = Polynomial::new(0.38, 0.22, 0.55).unwrap();
+    on_belt(law, belt_velocity, damping, load)
 }
 
 /// Cycles of every kind, stable and unstable, on belts of both directions.
 fn cycles() -> Vec<LimitCycle> {
     let exponential = Exponential::new(0.6, 0.3, 0.4).unwrap();
-    let bistable = MassOnBelt::new(exponential, 1.0)
-        .and_then(|system| system.with_damping(0.01))
-        .unwrap();
-    let table = Tabulated::new([
+    let bistable = on_belt(exponential, 1.0, 0.01, 1.0);
+    let points = [
         (0.0, 0.4),
         (0.1, 0.33),
         (0.3, 0.27),
         (0.6, 0.25),
         (1.0, 0.26),
-    ]);
+    ];
+    let table = Tabulated::new(points);
     let table = MassOnBelt::new(table.unwrap(), 0.2).unwrap();
     let mut cycles = Vec::new();
     for sign in [1.0, -1.0] {
@@ -435,48 +409,33 @@ fn cycles() -> Vec<LimitCycle> {
 
 #[test]
 fn kinds_there_and_back() {
-    for (kind, name) in [
-        (CycleKind::PureSlip, "pure_slip"),
-        (CycleKind::StickSlip, "stick_slip"),
-        (CycleKind::Overshoot, "overshoot"),
-        (CycleKind::Crossing, "crossing"),
-    ] {
-        assert_eq!(there_and_back(&kind), format!("\"{name}\""));
-    }
-    for (stability, name) in [
-        (Stability::StableFocus, "stable_focus"),
-        (Stability::StableNode, "stable_node"),
-        (Stability::Center, "center"),
-        (Stability::UnstableFocus, "unstable_focus"),
-        (Stability::UnstableNode, "unstable_node"),
-    ] {
-        assert_eq!(there_and_back(&stability), format!("\"{name}\""));
-    }
-    for (criticality, name) in [
-        (Criticality::Supercritical, "supercritical"),
-        (Criticality::Subcritical, "subcritical"),
-        (Criticality::Degenerate, "degenerate"),
-    ] {
-        assert_eq!(there_and_back(&criticality), format!("\"{name}\""));
-    }
     let (lagging, leading) = (Direction::Lagging, Direction::Leading);
-    for (kind, text) in [
-        (EventKind::Stick, r#""stick""#),
-        (EventKind::Release(lagging), r#"{"release":"lagging"}"#),
-        (EventKind::Release(leading), r#"{"release":"leading"}"#),
-        (EventKind::Crossing(lagging), r#"{"crossing":"lagging"}"#),
-    ] {
-        assert_eq!(there_and_back(&kind), text);
+    there_and_back! {
+        CycleKind::PureSlip => r#""pure_slip""#;
+        CycleKind::StickSlip => r#""stick_slip""#;
+        CycleKind::Overshoot => r#""overshoot""#;
+        CycleKind::Crossing => r#""crossing""#;
+        Stability::StableFocus => r#""stable_focus""#;
+        Stability::StableNode => r#""stable_node""#;
+        Stability::Center => r#""center""#;
+        Stability::UnstableFocus => r#""unstable_focus""#;
+        Stability::UnstableNode => r#""unstable_node""#;
+        Criticality::Supercritical => r#""supercritical""#;
+        Criticality::Subcritical => r#""subcritical""#;
+        Criticality::Degenerate => r#""degenerate""#;
+        EventKind::Stick => r#""stick""#;
+        EventKind::Release(lagging) => r#"{"release":"lagging"}"#;
+        EventKind::Release(leading) => r#"{"release":"leading"}"#;
+        EventKind::Crossing(lagging) => r#"{"crossing":"lagging"}"#;
+        Mode::Stick => r#""stick""#;
+        Mode::Slip(leading) => r#"{"slip":"leading"}"#;
     }
-    assert_eq!(there_and_back(&Mode::Stick), r#""stick""#);
-    assert_eq!(
-        there_and_back(&Mode::Slip(leading)),
-        r#"{"slip":"leading"}"#
-    );
-    refused::<CycleKind>(r#""PureSlip""#, "unknown variant");
-    refused::<EventKind>(r#"{"stick":"lagging"}"#, "expected unit");
-    refused::<EventKind>(r#""release""#, "newtype variant");
-    refused::<Mode>(r#"{"slip":"sideways"}"#, "unknown variant");
+    refuse! {
+        CycleKind: r#""PureSlip""#, "unknown variant";
+        EventKind: r#"{"stick":"lagging"}"#, "expected unit";
+        EventKind: r#""release""#, "newtype variant";
+        Mode: r#"{"slip":"sideways"}"#, "unknown variant";
+    }
 }
 
 /// A document of each type that is read.
