@@ -1,6 +1,7 @@
 //! Attractors over a range of a parameter: against the complete search of the belt, and simulation.
 
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::ops::ControlFlow::{Break, Continue};
 
 use approx::assert_abs_diff_eq;
@@ -11,11 +12,11 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck, Structure,
-    SystemState,
+    AnyLaw, Contact, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck,
+    Structure, SystemState,
 };
 
-use crate::common::{count, exactly, one_mass};
+use crate::common::{count, exactly, on_belt, one_mass};
 
 fn show<S: SystemState>(found: &VibrationRanges<S>) {
     for range in &found.ranges {
@@ -46,54 +47,62 @@ fn of_belt<L: FrictionLaw>(
     found
 }
 
-/// A belt made a structure has the ranges that the complete search finds.
+/// A belt made a structure has the ranges that the complete search finds, and every border between
+/// them is one that the belt's search for borders of this kind finds.
 #[test]
 fn a_belt_as_a_structure_has_the_ranges_of_the_belt() {
-    let compare = |name: &str,
-                   family: &dyn Fn(f64) -> Result<Structure, Error>,
-                   expected: Vec<(f64, Vec<AttractorKind>)>,
-                   range: std::ops::Range<f64>| {
-        println!("{name} {expected:?}");
+    use BifurcationKind::{Fold, Grazing, Sequence};
+    use bifurcation as of;
+    let paper = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let weak = Polynomial::new(0.38, 0.22, 0.55).unwrap();
+    let steep = Exponential::new(0.6, 0.3, 0.4).unwrap();
+    let usual = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let cases: [(AnyLaw, f64, f64, std::ops::Range<f64>); 5] = [
+        (paper.into(), 0.05, 1.0, 0.05..0.6),
+        (weak.into(), 0.001, 0.03, 0.01..0.6),
+        (steep.into(), 0.01, 1.0, 0.2..6.0),
+        (steep.into(), 0.01, 0.1, 0.02..2.0),
+        (usual.into(), 0.05, 1.0, 0.03..1.2),
+    ];
+    let mut borders = HashSet::new();
+    for (law, damping, load, range) in cases {
+        let belt = on_belt(law, 0.2, damping, load);
+        let expected = of_belt(&belt, range.clone());
+        println!("{belt:?} {expected:?}");
+        let family = |velocity: f64| {
+            let belt = belt.clone().with_belt_velocity(velocity)?;
+            Ok(Structure::from(&belt))
+        };
         let found = vibration_ranges(family, range.clone()).unwrap();
         show(&found);
-        let kinds: Vec<_> = found
-            .ranges
-            .iter()
-            .map(|range| range.attractors.clone())
-            .collect();
-        let known: Vec<_> = expected.iter().map(|range| range.1.clone()).collect();
-        assert_eq!(kinds, known, "{name}");
-        let width = range.end - range.start;
-        for (range, (start, _)) in std::iter::zip(&found.ranges, &expected) {
-            let error = (range.parameters.start - start).abs();
-            println!("{name} {:?}: {error:.1e}", range.borders[0]);
-            assert!(error <= 1e-9 * width, "{name}: {error:e}");
+        let kinds = found.ranges.iter().map(|range| &range.attractors);
+        assert!(kinds.eq(expected.iter().map(|range| &range.1)), "{belt:?}");
+        let allowed = 1e-9 * (range.end - range.start);
+        for (here, (start, _)) in std::iter::zip(&found.ranges, &expected) {
+            assert_abs_diff_eq!(here.parameters.start, start, epsilon = allowed);
         }
-        assert_eq!(found.ranges[0].parameters.start, range.start);
-        assert_eq!(
-            found.ranges[found.ranges.len() - 1].parameters.end,
-            range.end
-        );
-    };
-    let polynomial = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-    let belt = |velocity: f64| MassOnBelt::new(polynomial, velocity)?.with_damping(0.05);
-    let family = |velocity: f64| Ok(Structure::from(&belt(velocity)?));
-    let range = 0.05..0.6;
-    compare(
-        "polynomial",
-        &family,
-        of_belt(&belt(0.2).unwrap(), range.clone()),
-        range,
-    );
-    for (law, damping, range) in [
-        (Exponential::new(0.6, 0.3, 0.4).unwrap(), 0.01, 0.2..6.0),
-        (Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.05, 0.03..1.2),
-    ] {
-        let belt = |velocity: f64| MassOnBelt::new(law, velocity)?.with_damping(damping);
-        let family = |velocity: f64| Ok(Structure::from(&belt(velocity)?));
-        let expected = of_belt(&belt(0.2).unwrap(), range.clone());
-        compare("exponential", &family, expected, range);
+        let ends = [
+            found.ranges[0].parameters.start,
+            found.ranges.last().unwrap().parameters.end,
+        ];
+        assert_eq!(ends, [range.start, range.end]);
+        for pair in found.ranges.windows(2) {
+            let (border, at) = (pair[1].borders[0], pair[1].parameters.start);
+            assert_eq!(pair[0].borders[1], border);
+            let known = match border {
+                Border::Hopf => of::hopf_velocities(&belt, range.clone()),
+                Border::Bifurcation(Fold) => of::fold_velocities(&belt, range.clone()),
+                Border::Bifurcation(Grazing) => of::grazing_velocities(&belt, range.clone()),
+                Border::Bifurcation(Sequence) => of::crossing_velocities(&belt, range.clone()),
+                other => panic!("{other}"),
+            };
+            let known = known.unwrap();
+            let is_known = known.iter().any(|known| (known - at).abs() <= allowed);
+            assert!(is_known, "{border} {at} {known:?}");
+            borders.insert(border);
+        }
     }
+    assert_eq!(borders.len(), 4, "{borders:?}");
 }
 
 /// A drill string under a load, bit first; the drive turns the ground of the other end, in a frame

@@ -13,6 +13,7 @@ mod bristles;
 mod closed_forms;
 mod contacts;
 mod contacts_random;
+mod cost;
 mod decisions;
 mod edges;
 mod elastic;
