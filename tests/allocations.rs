@@ -12,7 +12,7 @@ use stick_slip::{
     AnyContactLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, Integrator, LuGre,
     MassOnBelt, Scalar, Segment, State, Structure, structure,
 };
-use stick_slip_tests_common::{Decay, Leine, Table, paper};
+use stick_slip_tests_common::{Decay, Leine, Table, friction_law, paper};
 
 /// Counts what this thread asks for; other threads of the test runner do not disturb.
 struct Counting;
@@ -47,18 +47,13 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Far more operations than the crate keeps rows for in place: each round is eight.
-#[derive(Debug)]
-struct Long;
-
-impl FrictionLaw for Long {
-    fn static_coefficient(&self) -> f64 {
-        0.5
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        let mut fall = speed;
+friction_law! {
+    /// Far more operations than the crate keeps rows for in place: each round is eight.
+    Long: 0.5,
+    |s| {
+        let mut fall = s;
         for _ in 0..5 {
-            fall = (fall.tanh() + speed * speed).sin().atan() * (speed.cos() + 2.0) * 0.3;
+            fall = (fall.tanh() + s * s).sin().atan() * (s.cos() + 2.0) * 0.3;
         }
         -(fall * 0.1) + 0.5
     }

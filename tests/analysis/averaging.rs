@@ -1,16 +1,17 @@
 //! Averaging against closed forms, against its own definition, and against a scan for cycles.
 
 use approx::assert_abs_diff_eq;
-use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use crate::common::property::for_all;
-use crate::common::{Decay, Ends, Leine, Random, Table, count, on_belt, paper, refused, some};
+use crate::common::{
+    Counted, Decay, Ends, Leine, Random, Table, count, friction_law, on_belt, paper, refused, some,
+};
 use crate::properties::{RANGES, system};
 use proptest::{prop_assert, prop_assert_eq};
 use stick_slip::analysis::PureSlip;
 use stick_slip::analysis::averaging::{AveragedCycle, cycles, drift, drift_slope};
-use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar};
+use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial};
 
 /// −(1/2π)∫ h(A cos ψ) cos ψ dψ as it stands in Eq. 12, by the midpoint rule with n points.
 fn by_definition<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64, n: u32) -> f64 {
@@ -253,15 +254,9 @@ fn pairs_near_folds_are_found_as_close_as_is_promised() {
 
 #[test]
 fn many_cycles_are_all_found() {
-    /// A slope that changes its sign many times.
-    struct Wavy;
-    impl FrictionLaw for Wavy {
-        fn static_coefficient(&self) -> f64 {
-            1.0
-        }
-        fn kinetic<S: Scalar>(&self, speed: S) -> S {
-            (speed * 40.0).cos() * 0.05 + 0.5
-        }
+    friction_law! {
+        /// A slope that changes its sign many times.
+        Wavy: 1.0, |s| (s * 40.0).cos() * 0.05 + 0.5
     }
     for v_b in some(1, [0.5, 1.0, 2.0]) {
         let system = on_belt(Wavy, v_b, 0.001, 1.0);
@@ -423,39 +418,16 @@ fn the_drift_is_smooth_up_to_the_amplitude_at_which_the_mass_touches_the_belt() 
     refused!(drift(&fast, 1e308) => Error::InvalidParameter { .. });
 }
 
-/// A law that counts how often it is looked at.
-struct Counted<'a, L> {
-    law: L,
-    looks: &'a Cell<u32>,
-}
-
-impl<L: FrictionLaw> FrictionLaw for Counted<'_, L> {
-    fn static_coefficient(&self) -> f64 {
-        self.law.static_coefficient()
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        self.looks.set(self.looks.get() + 1);
-        self.law.kinetic(speed)
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        self.law.breakpoints()
-    }
-    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
-        self.looks.set(self.looks.get() + 1);
-        self.law.kinetic_on(piece, speed)
-    }
-}
-
 #[test]
 fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
     // An amplitude takes 129 looks below |v_b|, and above it 2·12 panels with 48 each; a breakpoint
     // that is not counted with, or a piece that is not smooth, takes many times more.
-    fn check<L: FrictionLaw>(law: L, v_b: f64, most: u32) {
-        let looks = Cell::new(0);
-        let counted = Counted { law, looks: &looks };
+    fn check<L: FrictionLaw>(law: L, v_b: f64, most: usize) {
+        let asked = Default::default();
+        let counted = Counted { law, asked: &asked };
         let system = on_belt(counted, v_b, 0.01, 1.0);
         cycles(&system).unwrap();
-        assert!(looks.get() < most, "{v_b}: {}", looks.get());
+        assert!(asked[0].get() < most, "{v_b}: {asked:?}");
     }
     check(Coulomb::new(0.4, 0.25).unwrap(), 0.3, 50_000);
     check(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.42, 160_000);
@@ -470,15 +442,15 @@ fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
 fn a_growth_rate_over_hundreds_of_decades_needs_few_places() {
     let cases = [(0.2, 1e-4), (0.2, 1e-3), (3.0, 1e-3)];
     for (w, narrow) in some(1, cases) {
-        let looks = Cell::new(0);
+        let asked = Default::default();
         let law = Exponential::new(0.4, 0.0, narrow).unwrap();
-        let law = Counted { law, looks: &looks };
+        let law = Counted { law, asked: &asked };
         let found = cycles(&MassOnBelt::new(law, w).unwrap()).unwrap();
         assert_eq!(found.len(), 1);
         let amplitude = found[0].amplitude();
         assert!(w < amplitude && amplitude < w + narrow, "{amplitude}");
         // Without the logarithm of the rate it takes 1223 to 1345 pieces.
-        assert!(looks.get() < 6_000_000, "{}", looks.get());
+        assert!(asked[0].get() < 6_000_000, "{asked:?}");
     }
 }
 
@@ -490,11 +462,11 @@ fn laws_at_the_ends_of_f64_are_computed_or_refused() {
     for top in [1e-300, 1e150, 1e300, 1e307, 5e307, 1.7e308] {
         for (least, width) in [(0.0, 0.5), (0.5 * top, 0.01), (0.5 * top, 1e3), (top, 1.0)] {
             for w in some(1, [0.2, 1e-5, 3.0]) {
-                let looks = Cell::new(0);
+                let asked = Default::default();
                 let Ok(law) = Exponential::new(top, least, width) else {
                     continue;
                 };
-                let Ok(system) = MassOnBelt::new(Counted { law, looks: &looks }, w) else {
+                let Ok(system) = MassOnBelt::new(Counted { law, asked: &asked }, w) else {
                     continue;
                 };
                 match cycles(&system) {
@@ -513,8 +485,8 @@ fn laws_at_the_ends_of_f64_are_computed_or_refused() {
                 let drift = drift(&system, 1.5 * w).unwrap_or(0.0);
                 assert!(drift.is_finite());
                 assert!(
-                    looks.get() < 6_000_000,
-                    "{top} {least} {width} {w}: {looks:?}"
+                    asked[0].get() < 6_000_000,
+                    "{top} {least} {width} {w}: {asked:?}"
                 );
             }
         }

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Ends, Leine, Table, assert_met, json, list, number, on_belt, paper, text};
+use crate::common::{
+    Ends, Leine, Table, assert_met, friction_law, json, list, number, on_belt, paper, text,
+};
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
@@ -18,7 +20,7 @@ use stick_slip::analysis::{coulomb, design, exponential, polynomial};
 use stick_slip::bifurcation::Criticality;
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, Dwell, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial,
-    Scalar, State, Tabulated, limit_cycle,
+    State, Tabulated, limit_cycle,
 };
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
@@ -1014,17 +1016,9 @@ fn coulomb_at_the_ends_of_the_numbers() {
     }
 }
 
-/// (s − ¼)^⅓ above s = ¼: a value, and no slope, at s = ¼.
-struct VerticalTangent;
-
-impl FrictionLaw for VerticalTangent {
-    fn static_coefficient(&self) -> f64 {
-        1.0
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        let root = (speed - 0.25).square().powf(1.0 / 6.0);
-        root * 0.1 + 0.5
-    }
+friction_law! {
+    /// (s − ¼)^⅓ above s = ¼: a value, and no slope, at s = ¼.
+    VerticalTangent: 1.0, |s| (s - 0.25).square().powf(1.0 / 6.0) * 0.1 + 0.5
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 
-use crate::common::TurnsNan;
 use crate::common::polynomials::Polynomials;
+use crate::common::{TurnsNan, friction_law};
 use stick_slip::{
     Contact, Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Rational, Scalar, State,
     check_law,
@@ -51,20 +51,9 @@ fn negative_friction_is_followed_as_it_is() {
     }
 }
 
-/// A law that names the same breakpoint for ever.
-#[derive(Debug)]
-struct Endless;
-
-impl FrictionLaw for Endless {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        speed * -0.1 + 0.4
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::repeat(0.5)
-    }
+friction_law! {
+    /// A law that names the same breakpoint for ever.
+    Endless: 0.4, |s| s * -0.1 + 0.4, at std::iter::repeat(0.5)
 }
 
 #[test]

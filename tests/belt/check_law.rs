@@ -3,64 +3,52 @@
 
 use crate::common::polynomials::Polynomials;
 use crate::common::property::for_all;
-use crate::common::{count, refused};
+use crate::common::{count, friction_law, refused};
 use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use stick_slip::{
     AnyLaw, Coulomb, Error, Exponential, FrictionLaw, LawFault, MassOnBelt, Polynomial, Rational,
-    Scalar, State, Stribeck, Tabulated, check_law,
+    State, Stribeck, Tabulated, check_law,
 };
 
-/// Declares laws with μ_s = 0.4, each by its kinetic coefficient.
-macro_rules! laws {
-    ($($name:ident: |$speed:ident| $kinetic:expr;)*) => { $(
-        struct $name;
-        impl FrictionLaw for $name {
-            fn static_coefficient(&self) -> f64 {
-                0.4
-            }
-            fn kinetic<S: Scalar>(&self, $speed: S) -> S {
-                $kinetic
-            }
-        }
-    )* };
+friction_law! {
+    Root: 0.4,
+    |s| if s.value() < 0.3 { s.constant(0.3) } else { (s - 0.3).sqrt() * -0.1 + 0.3 }
 }
 
-laws! {
-    Root: |s| if s.value() < 0.3 { s.constant(0.3) } else { (s - 0.3).sqrt() * -0.1 + 0.3 };
-    Cusp: |s| (s - 0.5).abs().sqrt() * 0.1 + 0.2;
-    NarrowDip: |s| (-((s - 0.7) / 0.005).square()).exp() * -1e-3 + (s * -2.0).exp() * 0.2 + 0.1;
-    NotANumber: |s| if s.value() < 1.1 { s * -0.1 + 0.4 } else { (s * 0.0).ln() * 0.0 };
-    SteepStep: |s| ((s - 0.4) / 1e-6).tanh() * -0.05 + 0.3;
+friction_law! { Cusp: 0.4, |s| (s - 0.5).abs().sqrt() * 0.1 + 0.2 }
+
+friction_law! {
+    NarrowDip: 0.4,
+    |s| (-((s - 0.7) / 0.005).square()).exp() * -1e-3 + (s * -2.0).exp() * 0.2 + 0.1
 }
 
-/// Slope ∓`half` below and above the speed 0.3.
-struct Kink {
-    half: f64,
+friction_law! {
+    NotANumber: 0.4,
+    |s| if s.value() < 1.1 { s * -0.1 + 0.4 } else { (s * 0.0).ln() * 0.0 }
 }
 
-impl FrictionLaw for Kink {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        (s - 0.3).abs() * self.half + 0.2
-    }
+friction_law! { SteepStep: 0.4, |s| ((s - 0.4) / 1e-6).tanh() * -0.05 + 0.3 }
+
+friction_law! {
+    /// Slope ∓`half` below and above the speed 0.3.
+    Kink { half }: 0.4, |s| (s - 0.3).abs() * half + 0.2
 }
 
-/// exp(−((s − at)/width)²), on a constant.
-struct Bump {
-    at: f64,
-    width: f64,
+friction_law! {
+    /// exp(−((s − at)/width)²), on a constant.
+    Bump { at, width }: 0.4, |s| (-((s - at) / width).square()).exp() * 0.1 + 0.3
 }
 
-impl FrictionLaw for Bump {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        (-((s - self.at) / self.width).square()).exp() * 0.1 + 0.3
-    }
+friction_law! {
+    /// On a law that falls: .3 + .2 exp(−s/.7) + height exp(−((s − at)/width)²).
+    BumpOnFall { at, width, height }: 0.5 + height,
+    |s| (s * (-1.0 / 0.7)).exp() * 0.2 + 0.3 + (-((s - at) / width).square()).exp() * height
+}
+
+friction_law! {
+    /// Slope −`by` and `by` on a law that falls.
+    Kinked { at, by }: 0.4 + by * at, |s| (s - at).abs() * by + (-s).exp() * 0.2 + 0.2
 }
 
 const NARROW_BUMP: Bump = Bump {
@@ -210,23 +198,6 @@ fn narrow_features_are_found_and_others_are_not_called_narrow() {
     assert_eq!(check_law(&NARROW_BUMP, 0.6..0.8).unwrap(), []);
 }
 
-/// On a law that falls: .3 + .2 exp(−s/.7) + height exp(−((s − at)/width)²).
-struct BumpOnFall {
-    at: f64,
-    width: f64,
-    height: f64,
-}
-
-impl FrictionLaw for BumpOnFall {
-    fn static_coefficient(&self) -> f64 {
-        0.5 + self.height
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        let bump = (-((s - self.at) / self.width).square()).exp() * self.height;
-        (s * (-1.0 / 0.7)).exp() * 0.2 + 0.3 + bump
-    }
-}
-
 /// Wherever it lies, also just above a place where a series begins that shows it.
 #[test]
 fn a_narrow_bump_is_found_wherever_it_lies() {
@@ -349,18 +320,6 @@ fn a_range_may_end_at_the_largest_speed() {
 /// A kink of any size at any place is found there, and nothing else is.
 #[test]
 fn a_kink_is_found_wherever_it_lies() {
-    struct Kinked {
-        at: f64,
-        by: f64,
-    }
-    impl FrictionLaw for Kinked {
-        fn static_coefficient(&self) -> f64 {
-            0.4 + self.by * self.at
-        }
-        fn kinetic<S: Scalar>(&self, s: S) -> S {
-            (s - self.at).abs() * self.by + (-s).exp() * 0.2 + 0.2
-        }
-    }
     for_all(count(64, 256), [0.01..1.99, -3.0..1.0], |[at, exponent]| {
         let by = 10.0_f64.powf(exponent);
         let found = faults(&Kinked { at, by });

@@ -6,10 +6,12 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Random, Table, assert_message, message, on_belt, paper, refused, ulp};
+use crate::common::{
+    Random, Table, assert_message, friction_law, message, on_belt, paper, refused, ulp,
+};
 use stick_slip::{
     Coulomb, Error, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
-    Scalar, State,
+    State,
 };
 
 /// Runs a function on a thread of its own; a test that hangs fails with the last note it took.
@@ -52,26 +54,10 @@ fn end_within(seconds: u64, run: Box<Noting>) {
     }
 }
 
-/// A law given by its static coefficient and a function of the speed, with breakpoints if it names
-/// any.
+/// One of the laws that have no name.
 macro_rules! law {
-    ($static:expr, |$s:ident| $body:expr) => {
-        law!($static, [], |$s| $body)
-    };
-    ($static:expr, [$($at:expr),*], |$s:ident| $body:expr) => {{
-        #[derive(Debug, Clone, Copy)]
-        struct Given;
-        impl FrictionLaw for Given {
-            fn static_coefficient(&self) -> f64 {
-                $static
-            }
-            fn kinetic<S: Scalar>(&self, $s: S) -> S {
-                $body
-            }
-            fn breakpoints(&self) -> impl Iterator<Item = f64> {
-                [$($at),*].into_iter()
-            }
-        }
+    ($($law:tt)*) => {{
+        friction_law! { Given: $($law)* }
         Given
     }};
 }
@@ -174,7 +160,7 @@ fn non_finite_friction() {
     let on_its_way = system.clone();
     let run = within(10, move |_| on_its_way.simulate(State::new(0.0, 0.2), 20.0));
     let (speed, value, reached) = refused!(&run =>
-        Error::NonFiniteFriction { speed, value, reached: Some(reached) }, (*speed, value, reached));
+        Error::NonFiniteFriction { speed, value, reached: Some(at) }, (*speed, value, at));
     assert!(value.is_nan());
     approx::assert_relative_eq!(speed, 0.3, max_relative = 1e-9);
     approx::assert_relative_eq!(0.2 - reached.state.velocities[0], 0.3, max_relative = 1e-6);
@@ -243,7 +229,7 @@ fn not_analytic() {
     assert!(MassOnBelt::new(cusp, 0.3).is_ok());
 
     // Met on the way, at a breakpoint with a vertical tangent.
-    let vertical = law!(0.5, [0.25], |s| (s - 0.25).abs().sqrt() * -0.1 + 0.4);
+    let vertical = law!(0.5, |s| (s - 0.25).abs().sqrt() * -0.1 + 0.4, at[0.25]);
     let system = MassOnBelt::new(vertical, 0.5).unwrap();
     let run = within(10, move |_| system.simulate(State::new(0.0, 0.5), 20.0));
     let error = run.unwrap_err();

@@ -1,12 +1,10 @@
 //! A simple integrator, written without an idea of the crate's, must see the same events.
 
+use crate::common::formula::Formula;
 use crate::common::simple::{Seen, Simple, told};
 use crate::common::{Random, on_belt};
 use approx::assert_abs_diff_eq;
-use stick_slip::{
-    Coulomb, Direction, Error, Exponential, FrictionLaw, Polynomial, Rational, State, Stribeck,
-    Tabulated,
-};
+use stick_slip::{Direction, FrictionLaw};
 
 /// How often the two were compared.
 #[derive(Debug, Default)]
@@ -16,39 +14,22 @@ struct Count {
     worst: f64,
 }
 
-/// Follows one random motion by both. `friction` is the law once more, written in plain numbers.
-fn compare<L: FrictionLaw>(
-    random: &mut Random,
-    law: Result<L, Error>,
-    friction: &dyn Fn(f64) -> f64,
-    count: &mut Count,
-) {
+/// Follows one random motion by both.
+fn compare(random: &mut Random, formula: &Formula, count: &mut Count) {
     let (belt, damping) = (
         random.sign() * random.logarithmic(0.05, 1.5),
         random.uniform(0.0, 0.3),
     );
     let load = random.logarithmic(0.1, 4.0);
-    let system = on_belt(law.unwrap(), belt, damping, load);
+    let system = on_belt(formula.law(), belt, damping, load);
     let start = [random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)];
-    let simple = Simple {
-        friction: &|s| load * friction(s),
-        static_friction: load * system.law().static_coefficient(),
-        damping,
-        belt,
-    };
-    let motion = system
-        .simulate(State::new(start[0], start[1]), DURATION)
-        .unwrap();
+    let simple = Simple::new(formula, belt, damping, load);
+    let motion = system.simulate((start[0], start[1]), DURATION).unwrap();
     let has_kinks = system.law().breakpoints().next().is_some();
-    let about = format!("belt {belt} damping {damping} load {load} start {start:?}");
+    let about = format!("{formula:?} belt {belt} damping {damping} load {load} start {start:?}");
     let [coarse, fine] = [2.0 * STEP, STEP].map(|h| simple.run(start, DURATION, |_| h).0);
-    judge(
-        &about,
-        &told(motion.events()),
-        [&coarse, &fine],
-        has_kinks,
-        count,
-    );
+    let events = told(motion.events());
+    judge(&about, &events, [&coarse, &fine], has_kinks, count);
 }
 
 const DURATION: f64 = 20.0;
@@ -110,100 +91,34 @@ fn a_simple_integrator_sees_the_same_events() {
         let top = r.uniform(0.2, 0.8);
         let least = top * r.uniform(0.3, 1.0);
         let width = r.uniform(0.2, 1.0);
-        let fall = top - least;
-        compare(
-            r,
-            Polynomial::new(top, least, width),
-            &|s| {
-                let x = s / width;
-                top + fall * (0.5 * x * x * x - 1.5 * x)
-            },
-            &mut count,
-        );
-        compare(
-            r,
-            Exponential::new(top, least, width),
-            &|s| least + fall * (-(s / width) * (s / width)).exp(),
-            &mut count,
-        );
-        compare(r, Coulomb::new(top, least), &|_| least, &mut count);
-        let rational = Rational::new(top, 1.0 / width)
-            .and_then(|law| law.with_offset(least)?.with_quadratic(0.02));
-        compare(
-            r,
-            rational,
-            &|s| fall * width / (width + s) + least + 0.02 * s * s,
-            &mut count,
-        );
-        for exponent in 1..=4 {
-            let stribeck = Stribeck::new(top, least, width, exponent)
-                .and_then(|law| law.with_viscous_coefficient(0.03));
-            compare(
-                r,
-                stribeck,
-                &|s| least + fall * (-(s / width).powi(exponent as i32)).exp() + 0.03 * s,
-                &mut count,
-            );
-        }
-        // A table of a straight fall and rise, with three points in a line: there the curve through
-        // them is straight as well.
-        let points = [
-            (0.0, top),
-            (width, 0.5 * (top + least)),
-            (2.0 * width, least),
+        let middle = 0.5 * (top + least);
+        let slope = (least - top) / (2.0 * width);
+        let mut formulas = vec![
+            Formula::Polynomial([top, least, width]),
+            Formula::Exponential([top, least, width]),
+            Formula::Coulomb([top, least]),
+            Formula::Rational([top, width, least, 0.02]),
         ];
-        let raised = 1.2 * top;
-        let table = Tabulated::new(points).and_then(|law| law.with_static_coefficient(raised));
-        let (slope, middle) = (-fall / (2.0 * width), 0.5 * (top + least));
-        compare(
-            r,
-            table,
-            &|s| {
-                if s <= width {
-                    return top + slope * s;
-                }
-                // From there with the chord's slope to a level end: Hermite's cubic.
-                let t = ((s - width) / width).min(1.0);
-                let basis = [
-                    (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t),
-                    t * (1.0 - t) * (1.0 - t),
-                ];
-                least + (middle - least) * basis[0] + slope * width * basis[1]
-            },
-            &mut count,
-        );
-        let points = vec![
+        let stribeck = |exponent| Formula::Stribeck([top, least, width, 0.03], exponent);
+        formulas.extend((1..=4).map(stribeck));
+        // A table of a straight fall, with three points in a line: there the curve through them is
+        // straight as well, and from the second on it has the chord's slope, to a level end.
+        let ends = [
+            [0.0, top, slope],
+            [width, middle, slope],
+            [2.0 * width, least, 0.0],
+        ];
+        formulas.push(Formula::Points(ends.to_vec(), 1.2 * top));
+        formulas.push(Formula::Lines(vec![
             (0.0, top),
             (width, least),
             (2.0 * width, middle),
             (3.0 * width, middle),
-        ];
-        let broken = crate::common::Table {
-            static_coefficient: top,
-            points,
-        };
-        compare(
-            r,
-            Ok(broken),
-            &|s| match s / width {
-                x if x < 1.0 => top - x * fall,
-                x if x < 2.0 => least + (x - 1.0) * (middle - least),
-                _ => middle,
-            },
-            &mut count,
-        );
-        let wave = crate::common::any::Wave {
-            static_coefficient: top,
-            fall,
-            height: 0.05 * top,
-            number: 6.0,
-        };
-        compare(
-            r,
-            Ok(wave),
-            &|s| top - fall * s / (1.0 + s) + 0.05 * top * ((6.0 * s).cos() - 1.0),
-            &mut count,
-        );
+        ]));
+        formulas.push(Formula::Wave([top, top - least, 0.05 * top, 6.0]));
+        for formula in formulas {
+            compare(r, &formula, &mut count);
+        }
     }
     println!("{count:?}");
     assert!(
@@ -215,12 +130,8 @@ fn a_simple_integrator_sees_the_same_events() {
 /// The simple integrator is checked itself, by a number that neither it nor the crate has computed.
 #[test]
 fn the_simple_integrator_meets_the_known_slip_duration() {
-    let simple = Simple {
-        friction: &|s| 0.4 - 0.45 * s + 0.6 * s * s * s,
-        static_friction: 0.4,
-        damping: 0.05,
-        belt: 0.2,
-    };
+    let paper = Formula::Polynomial([0.4, 0.25, 0.5]);
+    let simple = Simple::new(&paper, 0.2, 0.05, 1.0);
     let seen = simple.run([0.0, 0.0], 8.0, |_| 1e-3).0;
     let (release, stick) = (seen[1], seen[2]);
     assert_eq!(

@@ -6,11 +6,14 @@
 use approx::assert_abs_diff_eq;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::common::formula::Formula;
 use crate::common::simple::{Seen, Simple, told};
-use crate::common::{Decay, Leine, Random, Table, count, exactly, on_belt, paper, ulp};
+use crate::common::{
+    Decay, Leine, Random, Table, count, exactly, friction_law, on_belt, paper, ulp,
+};
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator,
-    MassOnBelt, Mode, Polynomial, Scalar, Segment, State, Step, Trajectory,
+    MassOnBelt, Mode, Polynomial, Segment, State, Step, Trajectory,
 };
 
 const EPS: f64 = f64::EPSILON;
@@ -73,12 +76,8 @@ fn promise_1_hidden_terms_are_not_missed() {
             .unwrap();
         let seen_by_crate = told(motion.events());
 
-        let reference = Simple {
-            friction: &|s| load * (least + (top - least) * (-(s / width).powi(2)).exp()),
-            static_friction: load * top,
-            damping,
-            belt,
-        };
+        let formula = Formula::Exponential([top, least, width]);
+        let reference = Simple::new(&formula, belt, damping, load);
         // So many steps while the speed changes by v_s: fine in the Gaussian, and short enough
         // outside not to jump across it.
         let difference = |fineness: f64| {
@@ -145,27 +144,12 @@ const SHALLOW: [(f64, f64, f64, f64); 13] = [
     (6.3675852965685414210, 0.3604209321224858844, 3.8997731e-8, 6.3675853950998392272),
 ];
 
-/// Friction about one sliding speed that lies far from where the motion starts, in a law that is
-/// constant elsewhere: steps are long there. Told to the crate by breakpoints, and not.
-#[derive(Debug, Clone, Copy)]
-struct Bump {
-    width: f64,
-    told: bool,
-}
-
-impl FrictionLaw for Bump {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        (-((s - 0.6) / self.width).square()).exp() + 0.25
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        [-7.0, 0.0, 7.0]
-            .into_iter()
-            .filter(|_| self.told)
-            .map(|widths| 0.6 + widths * self.width)
-    }
+friction_law! {
+    /// Friction about one sliding speed that lies far from where the motion starts, in a law that
+    /// is constant elsewhere: steps are long there. Told to the crate by breakpoints, or not.
+    Bump { width, told }: 0.4,
+    |s| (-((s - 0.6) / width).square()).exp() + 0.25,
+    at [-7.0, 0.0, 7.0].map(|widths| 0.6 + widths * width).into_iter().filter(move |_| told == 1.0)
 }
 
 #[test]
@@ -173,7 +157,7 @@ fn promise_1_features_passed_in_a_long_step_are_seen() {
     for width in [0.05, 0.04, 0.03, 0.025, 0.02] {
         for start in 0..40 {
             let start = State::new(0.25, 0.7 + 0.01 * f64::from(start));
-            let [seen, told] = [false, true].map(|told| {
+            let [seen, told] = [0.0, 1.0].map(|told| {
                 let system = MassOnBelt::new(Bump { width, told }, 1.0).unwrap();
                 system.simulate(start, 3.0).unwrap().last()
             });
@@ -1309,16 +1293,7 @@ fn an_event_at_the_end_is_reported() {
 /// What comes after the end of the run is no error of it, even where the run ends with a step.
 #[test]
 fn a_motion_up_to_where_an_error_was_reached_is_none() {
-    #[derive(Debug, Clone, Copy)]
-    struct Logarithm;
-    impl FrictionLaw for Logarithm {
-        fn static_coefficient(&self) -> f64 {
-            0.4
-        }
-        fn kinetic<S: Scalar>(&self, s: S) -> S {
-            (-s + 1.0).ln() * 0.1 + 0.4
-        }
-    }
+    friction_law! { Logarithm: 0.4, |s| (-s + 1.0).ln() * 0.1 + 0.4 }
     let system = MassOnBelt::new(Logarithm, 0.2).unwrap();
     let start = State::new(1.2, 0.0);
     let Error::NonFiniteFriction {

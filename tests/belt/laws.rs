@@ -1,24 +1,16 @@
 //! What every friction law must satisfy, and what each of the crate's laws says of itself.
 
-use crate::common::Decay;
 use crate::common::polynomials::Polynomials;
+use crate::common::{Decay, friction_law};
 use approx::assert_abs_diff_eq;
 use stick_slip::{
     AnyLaw, Coulomb, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Physical,
-    Polynomial, Rational, Scalar, Scaling, State, Step, Stribeck, Tabulated, Trajectory,
+    Polynomial, Rational, Scaling, State, Step, Stribeck, Tabulated, Trajectory,
 };
 
-/// 1/(1 + δ s) written as a quotient, with a static coefficient above μ̂(0).
-#[derive(Clone)]
-struct Quotient;
-
-impl FrictionLaw for Quotient {
-    fn static_coefficient(&self) -> f64 {
-        0.5
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed + 0.4) / (speed.square() * 2.0 + speed * 0.5 + 1.0)
-    }
+friction_law! {
+    /// 1/(1 + δ s) written as a quotient, with a static coefficient above μ̂(0).
+    Quotient: 0.5, |s| (s + 0.4) / (s.square() * 2.0 + s * 0.5 + 1.0)
 }
 
 /// Stiff enough a table to be unlike the laws it could be taken from, with a rise at its end.

@@ -7,11 +7,11 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::bifurcation::Criticality;
 use stick_slip::{
     Attractor, Ended, Error, Exponential, FrictionLaw, Integrator, LimitCycle, Physical,
-    PhysicalMassOnBelt, Scalar, Scaling, Search, Segment, State, Step, Stribeck, Structure,
-    Tabulated, bifurcation, limit_cycle, structure,
+    PhysicalMassOnBelt, Scaling, Search, Segment, State, Step, Stribeck, Structure, Tabulated,
+    bifurcation, limit_cycle, structure,
 };
 
-use crate::common::refused;
+use crate::common::{friction_law, refused};
 
 const PAD: Physical = Physical {
     mass: 2.0,
@@ -283,21 +283,10 @@ fn errors_are_in_si_units() {
     }
 }
 
-/// Friction until the pad slides faster than 1 m/s, where it is not defined.
-#[derive(Debug, Clone, Copy)]
-struct Ends;
-
-impl FrictionLaw for Ends {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        if speed.value() > 1.0 {
-            speed.constant(f64::NAN)
-        } else {
-            (speed * -10.0).exp() * 0.15 + 0.25
-        }
-    }
+friction_law! {
+    /// Friction until the pad slides faster than 1 m/s, where it is not defined.
+    Ends: 0.4,
+    |s| (s * -10.0).exp() * 0.15 + if s.value() > 1.0 { f64::NAN } else { 0.25 }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use stick_slip::{
     Tabulated,
 };
 
+use crate::laws::Wave;
 use crate::{Decay, Leine, Random, Table, on_belt};
 
 /// Any law of the crate or of the tests.
@@ -15,25 +16,6 @@ pub enum Any {
     Decay(Decay),
     Table(Table),
     Wave(Wave),
-}
-
-/// μ̂(s) = μ_s − d s/(1 + s) + a (cos ks − 1): falls, and waves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wave {
-    pub static_coefficient: f64,
-    pub fall: f64,
-    pub height: f64,
-    pub number: f64,
-}
-
-impl FrictionLaw for Wave {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        let wave = ((speed * self.number).cos() - 1.0) * self.height;
-        wave - speed / (speed + 1.0) * self.fall + self.static_coefficient
-    }
 }
 
 impl FrictionLaw for Any {

@@ -8,7 +8,7 @@ use stick_slip::{
 };
 
 use crate::radau::{Matrix, STAGES, solve, weights};
-use crate::{Random, one_mass};
+use crate::{Random, memory_stays, one_mass};
 
 /// LuGre's bristles in plain numbers, with a damping that fades with speed and a bump in g if one
 /// likes:
@@ -70,12 +70,7 @@ impl ContactLaw for Bristles {
             Motion::Slip(slip) => [self.rate(slip, z)],
         }
     }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::empty()
-    }
-    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        memory
-    }
+    memory_stays!(1);
 }
 
 /// One mass on a spring and on bristles.

@@ -7,6 +7,8 @@ pub mod any;
 pub mod any_force;
 pub mod bristles;
 pub mod forces;
+pub mod formula;
+pub mod laws;
 pub mod masses;
 pub mod naive;
 pub mod orbit;
@@ -19,16 +21,16 @@ pub mod simple;
 pub mod work;
 pub mod worst;
 
-use std::cell::Cell;
 use std::fmt::Debug;
 use std::path::Path;
 
 use serde_json::Value;
 use stick_slip::{
-    AnyLaw, Coulomb, Direction, Error, EventKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt,
-    Polynomial, Scalar, State,
+    AnyLaw, Coulomb, Direction, Error, EventKind, Exponential, LimitCycle, MassOnBelt, Polynomial,
+    State,
 };
 
+pub use crate::laws::{Counted, Decay, Ends, Leine, Table, TurnsNan};
 pub use crate::masses::{dwelling, forced, on_belt, one_mass, oscillator, paper};
 pub use crate::worst::{Worst, assert_met};
 
@@ -140,91 +142,6 @@ pub fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
     };
     let [v_b, damping, load] = ["v_b", "beta", "gamma2"].map(|name| number(&case[name]));
     on_belt(law, v_b, damping, load)
-}
-
-/// Leine et al., Nonlinear Dynamics 16 (1998) 41-54: μ̂(s) = μ_s/(1 + δ s).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leine {
-    pub static_coefficient: f64,
-    pub decay: f64,
-}
-
-impl FrictionLaw for Leine {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed * self.decay + 1.0).recip() * self.static_coefficient
-    }
-}
-
-/// μ̂(s) = μ_k + (μ_s − μ_k) exp(−s/v_s), an exponential of s and not of s².
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Decay {
-    pub static_coefficient: f64,
-    pub kinetic_coefficient: f64,
-    pub velocity: f64,
-}
-
-impl FrictionLaw for Decay {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed / -self.velocity).exp() * (self.static_coefficient - self.kinetic_coefficient)
-            + self.kinetic_coefficient
-    }
-}
-
-/// μ̂ = √(0.8 − s): ends at s = 0.8 with a vertical tangent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ends;
-
-impl FrictionLaw for Ends {
-    fn static_coefficient(&self) -> f64 {
-        1.0
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (-speed + 0.8).sqrt()
-    }
-}
-
-/// A table of (speed, coefficient), joined by straight lines and continued by the last of them. It
-/// starts at speed 0.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    pub static_coefficient: f64,
-    pub points: Vec<(f64, f64)>,
-}
-
-impl Table {
-    /// Coefficient at the start of a piece, speed there, and slope.
-    pub fn line(&self, piece: usize) -> (f64, f64, f64) {
-        let ((s0, c0), (s1, c1)) = (self.points[piece], self.points[piece + 1]);
-        (c0, s0, (c1 - c0) / (s1 - s0))
-    }
-
-    /// The piece that holds a speed.
-    pub fn piece(&self, speed: f64) -> usize {
-        self.breakpoints().take_while(|&b| b <= speed).count()
-    }
-}
-
-impl FrictionLaw for Table {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        self.kinetic_on(self.piece(speed.value()), speed)
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        let inner = 1..self.points.len() - 1;
-        self.points[inner].iter().map(|point| point.0)
-    }
-    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
-        let (c0, s0, slope) = self.line(piece);
-        (speed - s0) * slope + c0
-    }
 }
 
 /// Number of random cases of a test: a few in a usual run, all of them with the variable `FULL=1`,
@@ -344,33 +261,5 @@ pub fn assert_mirrored(a: &LimitCycle, b: &LimitCycle, about: &str) {
     }
     for (a, b) in std::iter::zip(a.sample(20), b.sample(20)) {
         assert_eq!(a, (b.0, mirrored(b.1)), "{about}");
-    }
-}
-
-/// A law whose static coefficient is NaN from some call on.
-pub struct TurnsNan {
-    calls: Cell<u32>,
-    good: u32,
-}
-
-impl TurnsNan {
-    /// Right for so many calls.
-    pub fn after(good: u32) -> Self {
-        let calls = Cell::new(0);
-        Self { calls, good }
-    }
-}
-
-impl FrictionLaw for TurnsNan {
-    fn static_coefficient(&self) -> f64 {
-        self.calls.set(self.calls.get() + 1);
-        if self.calls.get() > self.good {
-            f64::NAN
-        } else {
-            0.4
-        }
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed + 1.0).recip() * 0.4
     }
 }

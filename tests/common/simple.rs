@@ -3,6 +3,8 @@
 
 use stick_slip::{Event, EventKind};
 
+use crate::formula::Formula;
+
 /// The classical Runge-Kutta step from x at time t.
 pub fn runge_kutta<const N: usize>(
     t: f64,
@@ -38,13 +40,22 @@ pub type Seen = (f64, char, f64);
 
 /// A mass on a belt in plain numbers.
 pub struct Simple<'a> {
-    pub friction: &'a dyn Fn(f64) -> f64,
-    pub static_friction: f64,
-    pub damping: f64,
-    pub belt: f64,
+    friction: Box<dyn Fn(f64) -> f64 + 'a>,
+    static_friction: f64,
+    damping: f64,
+    belt: f64,
 }
 
-impl Simple<'_> {
+impl<'a> Simple<'a> {
+    pub fn new(formula: &'a Formula, belt: f64, damping: f64, load: f64) -> Self {
+        Self {
+            friction: Box::new(move |s| load * formula.at(s)),
+            static_friction: load * formula.static_coefficient(),
+            damping,
+            belt,
+        }
+    }
+
     pub fn rates(&self, side: f64, [u, v]: [f64; 2]) -> [f64; 2] {
         let speed = (side * (v - self.belt)).max(0.0);
         [

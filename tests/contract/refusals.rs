@@ -15,7 +15,7 @@ use stick_slip::{
     SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation,
     check_law, structure,
 };
-use stick_slip_tests_common::root;
+use stick_slip_tests_common::{memory_stays, root};
 
 /// A law with the given static coefficient and no friction, of both kinds.
 #[derive(Debug, Clone, Copy)]
@@ -35,12 +35,7 @@ struct Remembering(f64);
 
 impl ContactLaw for Remembering {
     type Memory<S: Scalar> = [S; 1];
-    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        memory
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::empty()
-    }
+    memory_stays!(1);
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, _: [S; 1]) -> S {
         slip.speed * 0.0
     }

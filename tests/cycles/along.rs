@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
 use std::ops::Range;
 
-use crate::common::{Random, Table, count, on_belt};
+use crate::common::{Counted, Random, Table, count, on_belt};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
     AttractorKind, VibrationRange, along, along_velocities, fold_velocities, grazing_velocities,
@@ -14,8 +14,8 @@ use stick_slip::bifurcation::{
 };
 use stick_slip::limit_cycle;
 use stick_slip::{
-    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Search,
-    State, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Search, State,
+    Stribeck, Tabulated,
 };
 
 fn exponential(v_b: f64, damping: f64) -> MassOnBelt<Exponential> {
@@ -641,49 +641,21 @@ fn loads_that_silence_where_the_law_is_nearly_flat() {
     assert_eq!(silencing_load(&faster), Ok(f64::INFINITY));
 }
 
-thread_local! {
-    /// How often a [`Counted`] law was evaluated, and breakpoints were asked for.
-    static CALLS: Cell<usize> = const { Cell::new(0) };
-    static BREAKPOINTS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// A law that counts what it is asked.
-#[derive(Debug, Clone)]
-struct Counted<L>(L);
-
-impl<L: FrictionLaw> FrictionLaw for Counted<L> {
-    fn static_coefficient(&self) -> f64 {
-        self.0.static_coefficient()
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        CALLS.set(CALLS.get() + 1);
-        self.0.kinetic(speed)
-    }
-    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
-        CALLS.set(CALLS.get() + 1);
-        self.0.kinetic_on(piece, speed)
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        let counted = |_: &f64| BREAKPOINTS.set(BREAKPOINTS.get() + 1);
-        self.0.breakpoints().inspect(counted)
-    }
-}
-
 /// The result of a search, and how often it asked the law for a coefficient and for a breakpoint.
 fn cost<L: FrictionLaw, T>(
     law: L,
     v_b: f64,
     damping: f64,
     load: f64,
-    search: impl FnOnce(&MassOnBelt<Counted<L>>) -> T,
+    search: impl FnOnce(&MassOnBelt<Counted<'_, L>>) -> T,
 ) -> (T, [usize; 2]) {
-    let system = on_belt(Counted(law), v_b, damping, load);
-    CALLS.set(0);
-    BREAKPOINTS.set(0);
+    let asked = Default::default();
+    let law = Counted { law, asked: &asked };
+    let system = on_belt(law, v_b, damping, load);
+    let _ = asked.each_ref().map(|count| count.set(0));
     let found = search(&system);
-    let asked = [CALLS.get(), BREAKPOINTS.get()];
     println!("{asked:?}");
-    (found, asked)
+    (found, asked.map(Cell::into_inner))
 }
 
 /// A falling law, measured at `count` speeds up to 3 with an error of ±`scatter`.

@@ -4,7 +4,7 @@
 use approx::assert_abs_diff_eq;
 use std::ops::Range;
 
-use crate::common::any::Wave;
+use crate::common::laws::Wave;
 use crate::common::polynomials::Polynomials;
 use crate::common::{
     Ends, assert_met, count, exactly, json, list, number, on_belt, paper, refused, system_of, text,

@@ -3,73 +3,14 @@
 
 use std::collections::HashMap;
 
-use crate::common::simple::{bisect, runge_kutta};
+use crate::common::any::Any;
+use crate::common::formula::Formula;
+use crate::common::simple::{Simple, bisect};
 use crate::common::{Random, count, on_belt};
 use stick_slip::bifurcation::{
     crossing_velocities, fold_velocities, grazing_velocities, hopf_velocities, overshoot_velocities,
 };
-use stick_slip::{
-    AnyLaw, CycleKind, Exponential, MassOnBelt, Polynomial, Stribeck, Tabulated, limit_cycle,
-};
-
-/// A law by its formula, and how much it varies: its width in speed.
-#[derive(Debug, Clone)]
-enum Formula {
-    Polynomial([f64; 3]),
-    Exponential([f64; 3]),
-    Stribeck([f64; 4]),
-    /// Straight lines would have kinks: cubics with slopes given at the points.
-    Points(Vec<[f64; 3]>),
-}
-
-impl Formula {
-    fn at(&self, s: f64) -> f64 {
-        match self {
-            Self::Polynomial([top, least, width]) => {
-                let x = s / width;
-                top - 1.5 * (top - least) * (x - x * x * x / 3.0)
-            }
-            Self::Exponential([top, least, width]) => {
-                least + (top - least) * (-(s / width) * (s / width)).exp()
-            }
-            Self::Stribeck([top, least, width, viscous]) => {
-                least + (top - least) * (-s / width).exp() + viscous * s
-            }
-            Self::Points(points) => {
-                let i = points.iter().take_while(|point| point[0] <= s).count();
-                let [a, b] = match (points.get(i - 1), points.get(i)) {
-                    (Some(a), Some(b)) => [a, b],
-                    (Some(last), None) => return last[1],
-                    _ => unreachable!(),
-                };
-                let (h, t) = (b[0] - a[0], (s - a[0]) / (b[0] - a[0]));
-                let r = 1.0 - t;
-                (1.0 + 2.0 * t) * r * r * a[1]
-                    + t * r * r * h * a[2]
-                    + t * t * (3.0 - 2.0 * t) * b[1]
-                    - t * t * r * h * b[2]
-            }
-        }
-    }
-
-    fn law(&self) -> AnyLaw {
-        match self {
-            Self::Polynomial([top, least, width]) => {
-                Polynomial::new(*top, *least, *width).unwrap().into()
-            }
-            Self::Exponential([top, least, width]) => {
-                Exponential::new(*top, *least, *width).unwrap().into()
-            }
-            Self::Stribeck([top, least, width, viscous]) => Stribeck::new(*top, *least, *width, 1)
-                .and_then(|law| law.with_viscous_coefficient(*viscous))
-                .unwrap()
-                .into(),
-            Self::Points(points) => Tabulated::new(points.iter().map(|point| (point[0], point[1])))
-                .unwrap()
-                .into(),
-        }
-    }
-}
+use stick_slip::{CycleKind, MassOnBelt, limit_cycle};
 
 /// A mass on a belt that moves forward.
 #[derive(Debug, Clone)]
@@ -98,54 +39,43 @@ impl Plain {
         }
     }
 
-    fn system(&self) -> MassOnBelt<AnyLaw> {
+    fn system(&self) -> MassOnBelt<Any> {
         on_belt(self.formula.law(), self.belt, self.damping, self.load)
     }
 
     fn held(&self) -> f64 {
-        self.load * self.formula.at(0.0)
-    }
-
-    /// u'' in slip with the sign `side` of the relative velocity.
-    fn acceleration(&self, side: f64, u: f64, v: f64) -> f64 {
-        let speed = (side * (v - self.belt)).max(0.0);
-        -2.0 * self.damping * v - u - side * self.load * self.formula.at(speed)
-    }
-
-    fn stepped(&self, side: f64, from: [f64; 2], h: f64) -> [f64; 2] {
-        runge_kutta(0.0, from, h, |_, [u, v]| [v, self.acceleration(side, u, v)])
-    }
-
-    /// The part of a step after which `passed` becomes true.
-    fn part(&self, side: f64, from: [f64; 2], h: f64, passed: impl Fn([f64; 2]) -> bool) -> f64 {
-        bisect(h, |part| passed(self.stepped(side, from, part)))
+        self.load * self.formula.static_coefficient()
     }
 
     fn arc(&self, side: f64, mut now: [f64; 2]) -> End {
+        let simple = Simple::new(&self.formula, self.belt, self.damping, self.load);
+        let stepped = |from: [f64; 2], h: f64| simple.step(side, from, h);
+        let on_belt = |at: [f64; 2]| side * (at[1] - self.belt) <= 0.0;
+        let acceleration = |at: [f64; 2]| simple.rates(side, at)[1];
         let (mut time, h) = (0.0, self.step);
         let mut has_left = side * (now[1] - self.belt) > 0.0;
         while time < 2000.0 {
-            let next = self.stepped(side, now, h);
+            let next = stepped(now, h);
             if next == now {
                 return End::Rest;
             }
-            let on_belt = |at: [f64; 2]| side * (at[1] - self.belt) <= 0.0;
+            let met = |longest: f64| {
+                let part = bisect(longest, |part| on_belt(stepped(now, part)));
+                End::Belt(stepped(now, part)[0], time + part)
+            };
             // Or it leaves and comes back within one step.
-            let leaves = side * self.acceleration(side, now[0], now[1]) > 1e-12;
+            let leaves = side * acceleration(now) > 1e-12;
             if (has_left || leaves) && on_belt(next) {
-                let part = self.part(side, now, h, on_belt);
-                return End::Belt(self.stepped(side, now, part)[0], time + part);
+                return met(h);
             }
-            let rising = |at: [f64; 2]| self.acceleration(side, at[0], at[1]) > 0.0;
             // The next maximum of the velocity is most of a turn away; one may be at the start.
             let may_turn = time > 1.0 && side < 0.0 && next[1] > 0.0;
-            if may_turn && rising(now) && !rising(next) {
-                let part = self.part(side, now, h, |at| !rising(at));
-                let [_, peak] = self.stepped(side, now, part);
+            if may_turn && acceleration(now) > 0.0 && acceleration(next) <= 0.0 {
+                let part = bisect(h, |part| acceleration(stepped(now, part)) <= 0.0);
+                let [_, peak] = stepped(now, part);
                 // The belt may be met between.
                 return if peak >= self.belt {
-                    let met = self.part(side, now, part, on_belt);
-                    End::Belt(self.stepped(side, now, met)[0], time + met)
+                    met(part)
                 } else {
                     End::Peak(peak)
                 };
@@ -196,7 +126,7 @@ fn random(random: &mut Random, kind: usize) -> Plain {
     let formula = match kind {
         0 => Formula::Polynomial([top, least, width]),
         1 => Formula::Exponential([top, least, width]),
-        2 => Formula::Stribeck([top, least, width, random.uniform(0.0, 0.05)]),
+        2 => Formula::Stribeck([top, least, width, random.uniform(0.0, 0.05)], 1),
         _ => {
             // A fall and a rise, with a slope of 0 where they meet and at the end, and one at rest
             // that the formula of the docs gives.
@@ -206,7 +136,8 @@ fn random(random: &mut Random, kind: usize) -> Plain {
             let (h, k) = (a, b - a);
             let first = ((2.0 * h + k) * chords[0] - h * chords[1]) / (h + k);
             let first = first.max(3.0 * chords[0]);
-            Formula::Points(vec![[0.0, top, first], [a, least, 0.0], [b, last, 0.0]])
+            let points = vec![[0.0, top, first], [a, least, 0.0], [b, last, 0.0]];
+            Formula::Points(points, top)
         }
     };
     let load = random.logarithmic(0.1, 2.0);

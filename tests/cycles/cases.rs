@@ -1,14 +1,14 @@
 //! Cycles and bifurcations in cases with a known answer, and in hard ones.
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Random, count, exactly, on_belt, paper, some};
+use crate::common::{Random, count, exactly, friction_law, on_belt, paper, some};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging;
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};
 use stick_slip::{
-    Coulomb, CycleKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, Scalar,
-    State, Tabulated,
+    Coulomb, CycleKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, State,
+    Tabulated,
 };
 
 /// The cycle costs its one slip arc: nothing is integrated before or beside it.
@@ -289,22 +289,13 @@ fn nested(unit: f64) -> Polynomials {
     Polynomials::about(unit, 0.5, &coefficients)
 }
 
-/// Friction about two sliding speeds only: at 0.1 it brakes more than it drives on a belt of
-/// velocity 1, at 0.8 it drives until the mass overtakes the belt by as much.
-#[derive(Debug, Clone, Copy)]
-struct Bumps {
-    unit: f64,
-}
-
-impl FrictionLaw for Bumps {
-    fn static_coefficient(&self) -> f64 {
-        0.01
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        let s = s / self.unit;
-        let near = (-((s - 0.1) / 0.02).square()).exp() * 0.15;
-        let far = (-((s - 0.8) / 0.1).square()).exp() * 0.3;
-        near + far
+friction_law! {
+    /// Friction about two sliding speeds only: at 0.1 it brakes more than it drives on a belt of
+    /// velocity 1, at 0.8 it drives until the mass overtakes the belt by as much.
+    Bumps { unit }: 0.01,
+    |s| {
+        let bump = |at: f64, width: f64| (-((s / unit - at) / width).square()).exp();
+        bump(0.1, 0.02) * 0.15 + bump(0.8, 0.1) * 0.3
     }
 }
 
@@ -383,20 +374,11 @@ fn what_is_released_may_come_to_rest_or_move_on_as_it_is() {
     assert_eq!(end, Attractor::Equilibrium);
 }
 
-/// No static friction, and kinetic friction that rises with the sliding speed and falls again, as
-/// of a lubricated contact: μ_s = 0 is a law like any.
-#[derive(Debug, Clone, Copy)]
-struct Lubricated {
-    static_coefficient: f64,
-}
-
-impl FrictionLaw for Lubricated {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        s * 0.5 * (s.square() * -2.0).exp() + s * 0.01 + self.static_coefficient
-    }
+friction_law! {
+    /// No static friction, and kinetic friction that rises with the sliding speed and falls again,
+    /// as of a lubricated contact: μ_s = 0 is a law like any.
+    Lubricated { static_coefficient }: static_coefficient,
+    |s| s * 0.5 * (s.square() * -2.0).exp() + s * 0.01 + static_coefficient
 }
 
 #[test]

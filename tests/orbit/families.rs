@@ -5,7 +5,7 @@ use stick_slip::orbit::{AttractorKind, Orbit, Period, classify, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, ContactLaw, Coulomb, Drive, Error, Motion, Scalar, Slip, Structure};
 
-use crate::common::{at_least, exactly, one_mass};
+use crate::common::{at_least, exactly, memory_stays, one_mass};
 
 /// Inertias of very different size that rub on each other; nothing else touches them.
 const INERTIAS: [f64; 3] = [1.0, 7.0, 0.2];
@@ -97,12 +97,7 @@ impl ContactLaw for Worn {
             Motion::Slip(slip) => [slip.velocity()],
         }
     }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::empty()
-    }
-    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        memory
-    }
+    memory_stays!(1);
 }
 
 fn worn() -> Result<Structure, Error> {

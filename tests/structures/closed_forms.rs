@@ -15,7 +15,7 @@ use stick_slip::{
 };
 
 use crate::common::property::for_all;
-use crate::common::{number, on_belt, one_mass, text};
+use crate::common::{memory_stays, number, on_belt, one_mass, text};
 use crate::reading::cases;
 
 fn forced(angular_frequency: f64, damping: f64, friction: f64, force: f64) -> ForcedOscillator {
@@ -306,12 +306,7 @@ impl ContactLaw for Nap {
     fn rates<S: Scalar>(&self, _: Motion<S>, memory: [S; 0]) -> [S; 0] {
         memory
     }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::empty()
-    }
-    fn caught(&self, memory: [f64; 0]) -> [f64; 0] {
-        memory
-    }
+    memory_stays!(0);
 }
 
 /// A free vibration dies out by half swings about N μ/k, on the side of the direction that it has.

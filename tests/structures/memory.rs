@@ -11,7 +11,7 @@ use stick_slip::{
 };
 
 use crate::common::{
-    Random, Worst, at_least, exactly, kind, list, number, one_mass, refused, text,
+    Random, Worst, at_least, exactly, kind, list, memory_stays, number, one_mass, refused, text,
 };
 use crate::reading::{Raised, cases, numbers, remembering};
 
@@ -125,12 +125,7 @@ impl ContactLaw for ElastoPlastic {
         };
         [slip.velocity() * (-flow + 1.0)]
     }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::empty()
-    }
-    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        memory
-    }
+    memory_stays!(1);
 }
 
 /// Below the break-away deflection a mass on such bristles is a mass on a spring: no drift.
@@ -378,12 +373,7 @@ impl ContactLaw for Exploding {
     fn rates<S: Scalar>(&self, _: Motion<S>, [z]: [S; 1]) -> [S; 1] {
         [z.square()]
     }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        std::iter::empty()
-    }
-    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        memory
-    }
+    memory_stays!(1);
 }
 
 #[test]
