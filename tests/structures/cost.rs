@@ -3,10 +3,10 @@
 
 use stick_slip::structure::{ForceElement, State};
 use stick_slip::{
-    Contact, Coulomb, Dahl, Drive, Dwell, Error, Exponential, LuGre, Polynomial, Structure,
+    Contact, Coulomb, Dahl, Drive, Dwell, Error, Exponential, LuGre, Pendulum, Polynomial,
+    Structure,
 };
 
-use crate::common::forces::Force;
 use crate::common::one_mass;
 
 /// A contact of coordinate i on the belt.
@@ -48,7 +48,7 @@ fn structures() -> Result<Vec<Case>, Error> {
     let clock = Contact::new(0, Dwell::exponential(coulomb, 0.6, 2.0)?, 1.0)?;
     let soft = Contact::new(0, Dahl::new(0.4, 10.0)?, 1.0)?;
     let stiff = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 1e5, 300.0, 0.0)?;
-    let nonlinear = ForceElement::new(0, Force::Sine([0.5, 1.0]))?;
+    let nonlinear = ForceElement::new(0, Pendulum::new(0.5, 1.0)?)?;
     Ok(vec![
         ("one that slips alone", sprung(contact(0, 1.0)?)?, [66, 16]),
         ("beside one that is held", beside(held)?, [51, 10]),
