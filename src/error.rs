@@ -549,9 +549,8 @@ pub enum Error {
     /// A search along a parameter was stopped by its watcher, a function set by the caller, or at
     /// its largest number of steps. The largest number is
     /// [`Search::DEFAULT_MAX_BRANCH_STEPS`](crate::Search::DEFAULT_MAX_BRANCH_STEPS), unless
-    /// [`Search::with_max_steps`](crate::Search::with_max_steps) sets another number. If the watcher
-    /// stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
-    /// `time`.
+    /// [`Search::with_max_steps`](crate::Search::with_max_steps) sets another number. If the
+    /// watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
          found; raise the limit with `with_max_steps`, or continue from there",

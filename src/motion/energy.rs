@@ -16,10 +16,11 @@
 /// The symbols are those of [`Structure`](crate::Structure) and [`Contact`](crate::Contact). λ is
 /// the friction force of a contact; in an elastic contact of stiffness k_t it is T. N and k_n are
 /// the load and the stiffness of a normal spring. U is the potential of a [force
-/// element](crate::ForceElement), 0 if its law has none, and D its factor. Friction exerts the force
-/// −b λ on the coordinates and the force λ on the surface, which moves with the velocity w. Δ is the
-/// change over the motion. The unit is force times displacement. For a mass on a belt energies are dimensionless,
-/// and [`Scaling`](crate::Scaling) converts them to joules: `newtons(metres(energy))`.
+/// element](crate::ForceElement), 0 if its law has none, and D its factor. Friction exerts the
+/// force −b λ on the coordinates and the force λ on the surface, which moves with the velocity w. Δ
+/// is the change over the motion. The unit is force times displacement. For a mass on a belt
+/// energies are dimensionless, and [`Scaling`](crate::Scaling) converts them to joules:
+/// `newtons(metres(energy))`.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};

@@ -88,9 +88,10 @@ impl Structure {
     /// the surface of a contact does not move (w = 0), or if a load is not positive in the
     /// equilibrium. The same error is returned if memory variables have no constant values, if a
     /// number overflows, or if the stiffness matrix with the terms of friction is singular. To make
-    /// it non-singular, restrain the rigid-body modes, or use [`steady_sliding_at`](Self::steady_sliding_at), which
-    /// leaves them out. For a drill string that is driven at a given speed, use the frame that
-    /// rotates at this speed: in this frame the driven end is fixed to the ground.
+    /// it non-singular, restrain the rigid-body modes, or use
+    /// [`steady_sliding_at`](Self::steady_sliding_at), which leaves them out. For a drill string
+    /// that is driven at a given speed, use the frame that rotates at this speed: in this frame the
+    /// driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(SlidingField::of(&self.model())?)
     }

@@ -422,8 +422,8 @@ const ERRORS: f64 = 16.0;
 /// A change below this is too small to be measured.
 const UNSEEN: f64 = 1e-9;
 
-/// If a hundredth of a small parameter changes the motion by less than this, increments are those of
-/// a parameter of size 1.
+/// If a hundredth of a small parameter changes the motion by less than this, increments are those
+/// of a parameter of size 1.
 const SLIGHT: f64 = 1e-5;
 
 /// The largest increment, in parts of the parameter, or of 1.
@@ -711,8 +711,8 @@ impl Variation {
         self.groups.before(here.passed(time))
     }
 
-    /// The difference of the derivatives of both sides, by formulas of second order with the motions
-    /// of the central formula; `None` if there is only one side.
+    /// The difference of the derivatives of both sides, by formulas of second order with the
+    /// motions of the central formula; `None` if there is only one side.
     fn kink(&self, here: &Run, step: f64) -> Option<DVector<f64>> {
         let [far_down, down, up, far_up] = &self.parts[..] else {
             return None;
