@@ -35,6 +35,13 @@ pub fn oscillator([m, c, k]: [f64; 3], force: impl Into<Drive>) -> Result<Struct
         .with_force(0, force)
 }
 
+/// A mass on a slow belt under a force, whose motions have flips.
+pub fn driven(frequency: f64, force: f64) -> Result<Structure, Error> {
+    let force = Drive::harmonic(force, frequency, 0.0)?;
+    let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1);
+    one_mass([1.0, 0.02, 1.0], force, contact)
+}
+
 /// The mass of a closed formula on its belt.
 pub fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
     let contact = Contact::new(0, of.law, of.load).unwrap().on_belt(velocity);

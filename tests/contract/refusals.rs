@@ -10,26 +10,21 @@ use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Period};
 use stick_slip::{
     Backlash, Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
-    ForceElement, ForceLaw, FrictionLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Pendulum,
-    Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search, Slip,
-    SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation,
-    check_law, structure,
+    ForceElement, ForceLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Pendulum, Physical,
+    Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search, Slip, SnapThrough,
+    State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation, check_law,
+    structure,
 };
+use stick_slip_tests_common::masses::driven as forced;
+use stick_slip_tests_common::polynomials::Polynomials;
 use stick_slip_tests_common::{memory_stays, root};
 
-/// A law with the given static coefficient and no friction, of both kinds.
-#[derive(Debug, Clone, Copy)]
-struct Given(f64);
-
-impl FrictionLaw for Given {
-    fn static_coefficient(&self) -> f64 {
-        self.0
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        speed * 0.0
-    }
+/// A law with the given static coefficient and no friction.
+fn given(static_coefficient: f64) -> Polynomials {
+    Polynomials::new(static_coefficient, &[0.0])
 }
 
+/// One that remembers.
 #[derive(Debug, Clone, Copy)]
 struct Remembering(f64);
 
@@ -120,14 +115,6 @@ fn follow(parameter: f64, range: Range<f64>) -> Result<usize, Error> {
         range,
     )?;
     Ok(branch.bifurcations.len())
-}
-
-fn forced(frequency: f64, force: f64) -> Result<Structure, Error> {
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.02)?
-        .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
-        .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1))
 }
 
 /// The curve of a flip.
@@ -226,8 +213,8 @@ fn laws() -> Vec<Case> {
         "Dwell" "time" NOT_ABOVE, |x| Dwell::exponential(law(), 0.5, x);
         "Dwell" "time" NOT_ABOVE, |x| Dwell::hyperbolic(law(), 0.5, x);
         "Dwell" "time" NOT_ABOVE, |x| Dwell::logarithmic(law(), 0.1, x);
-        "FrictionLaw" "static_coefficient" BELOW, |x| MassOnBelt::new(Given(x), 0.2);
-        "FrictionLaw" "static_coefficient" BELOW, |x| Contact::new(0, Given(x), 1.0);
+        "FrictionLaw" "static_coefficient" BELOW, |x| MassOnBelt::new(given(x), 0.2);
+        "FrictionLaw" "static_coefficient" BELOW, |x| Contact::new(0, given(x), 1.0);
         "ForceLaw" "slope of the potential" &[1e-3, -1.0], |x| ForceElement::new(0, Stored(x));
         "ContactLaw" "rate" &ANY, |x| Contact::new(0, Remembering(x), 1.0);
         "check_law" "speeds.start" BELOW, |x| check_law(&law(), x..1.0);

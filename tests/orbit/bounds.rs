@@ -8,15 +8,10 @@ use stick_slip::orbit::{
     sensitivities, settle, shoot,
 };
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
+use stick_slip::{Error, Structure};
 
-use crate::common::{one_mass, refused};
-
-fn family(frequency: f64, force: f64) -> Result<Structure, Error> {
-    let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1);
-    let force = Drive::harmonic(force, frequency, 0.0)?;
-    one_mass([1.0, 0.02, 1.0], force, contact)
-}
+use crate::common::masses::driven as family;
+use crate::common::refused;
 
 fn driven(frequency: f64) -> Result<Structure, Error> {
     family(frequency, 0.3)

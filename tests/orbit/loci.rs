@@ -392,11 +392,7 @@ fn a_centre_that_moves_does_not_change_pitchforks() {
 /// says so.
 #[test]
 fn a_curve_that_crawls_ends() {
-    let family = |frequency: f64, force: f64| -> Result<Structure, Error> {
-        let force = Drive::harmonic(force, frequency, 0.0)?;
-        let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1);
-        one_mass([1.0, 0.02, 1.0], force, contact)
-    };
+    let family = crate::common::masses::driven;
     let system = family(0.6, 0.3).unwrap();
     let start = State::new(&[0.3], &[0.0]);
     let motion = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
