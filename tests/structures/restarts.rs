@@ -266,6 +266,49 @@ fn a_returned_state_is_a_start_of_the_same_motion() {
     assert!(unclear * 100 < restarts);
 }
 
+/// From the state of a release, whose force is at its limit to rounding, the velocities of all
+/// masses are continuous: contacts that share masses have one motion with them.
+#[test]
+fn velocities_are_continuous_after_a_release() {
+    /// The part of a step before its end.
+    const PART: f64 = 1e-6;
+    let mut random = Random::new(498);
+    let mut starts = 0;
+    for number in 0..count(200, 4000) {
+        let (structure, start) = draw(&mut random);
+        let Ok(motion) = run(&structure, 0.0, start) else {
+            continue;
+        };
+        let releases = motion
+            .events()
+            .iter()
+            .filter(|event| matches!(event.kind, EventKind::Release(_)));
+        for event in releases {
+            starts += 1;
+            let again = Integrator::new().with_start_time(event.time).unwrap();
+            let Ok(again) = again.simulate(&structure, event.state.clone(), 2.0) else {
+                continue;
+            };
+            for step in again.steps().iter().filter(|step| step.duration() > 0.0) {
+                let at = |part: f64| step.state_at(part * step.duration()).velocities;
+                let [middle, near, end] = [0.5, 1.0 - PART, 1.0].map(at);
+                let size = middle.iter().chain(&end);
+                let size = size.fold(0.0, |most: f64, v| most.max(v.abs()));
+                let apart = std::iter::zip(near, end).map(|(a, b)| (a - b).abs());
+                let apart = apart.fold(0.0, f64::max);
+                // No velocity changes by a thousand times its size in a step.
+                assert!(
+                    apart <= 1e3 * PART * size + 1e-9,
+                    "case {number}, restart at {}: {apart:e} of {size:e} at {}",
+                    event.time,
+                    step.end_time()
+                );
+            }
+        }
+    }
+    println!("{starts} restarts");
+}
+
 /// Forces and accelerations of the states of a motion are those of its samples.
 #[test]
 fn samples_agree_with_forces_and_accelerations_of_their_states() {
