@@ -64,6 +64,7 @@
 //! | the attractor of any system from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
 //! | where steady sliding becomes unstable along a speed profile | [`Structure::stability_changes`] |
 //! | chaos: the largest Lyapunov exponent, Poincaré sections | [`orbit::lyapunov`], [`orbit::section`] |
+//! | a chirp, a shock, a window or any other function of time as a force, load or belt velocity | [`Drive::function`] with a [`TimeFunction`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
@@ -244,7 +245,7 @@ pub mod structure;
 
 pub use belt::{Equilibrium, Flow, Jacobian, MassOnBelt, Stability, Step};
 #[cfg(feature = "structures")]
-pub use drive::Drive;
+pub use drive::{Drive, TimeFunction};
 pub use error::{Error, Reached};
 #[cfg(feature = "structures")]
 pub use force::{

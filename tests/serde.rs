@@ -10,7 +10,7 @@ use stick_slip::{
     Dwell, Error, Event, EventKind, Exponential, ForceElement, ForceLaw, FrictionLaw, Iwan4,
     LimitCycle, LuGre, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring,
     Rational, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Stribeck, Structure,
-    Tabulated, TabulatedForce, VanDerPol, limit_cycle, structure,
+    Tabulated, TabulatedForce, TimeFunction, VanDerPol, limit_cycle, structure,
 };
 
 use stick_slip_tests_common::{on_belt, one_mass};
@@ -778,6 +778,28 @@ fn a_users_own_law_is_not_written() {
     let contact = Contact::new(0, Own, 1.0).unwrap();
     let message = serde_json::to_string(&contact).unwrap_err().to_string();
     assert!(message.contains("a user's own law"), "{message}");
+}
+
+#[test]
+fn a_users_own_function_of_time_is_not_written() {
+    struct Own;
+    impl TimeFunction for Own {
+        fn value<S: Scalar>(&self, time: S, _: usize) -> S {
+            time.sin()
+        }
+        fn size(&self) -> f64 {
+            1.0
+        }
+        fn timescale(&self, _: usize) -> f64 {
+            1.0
+        }
+    }
+    let drive = Drive::function(Own).unwrap();
+    let message = serde_json::to_string(&drive).unwrap_err().to_string();
+    assert!(
+        message.contains("`Drive::with_function` after reading"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -1,36 +1,45 @@
-//! Functions of time, as data.
+//! Functions of time.
 //!
 //! A time inside the crate is a [`Clock`]: even after 10⁹ periods the phase has no accumulated
 //! error.
 
 // | file | what is in it |
 // |---|---|
-// | `mod.rs` | `Drive`: a constant, harmonics (from amplitude and phase) and profiles, added up |
+// | `mod.rs` | `Drive`: a constant, harmonics (from amplitude and phase), profiles and functions, added up |
 // | `harmonic.rs` | one angular frequency, as a cosine and a sine: value, slope, series, integral; the common period of several |
 // | `profile.rs` | straight lines through points: the same, and where pieces meet |
+// | `function.rs` | `TimeFunction`, the trait of a user's own function |
+// | `pieces.rs` | such a function as a trait object: the same, and how far it is from its series |
 
+mod function;
 mod harmonic;
+mod pieces;
 mod profile;
 #[cfg(feature = "serde")]
 mod read;
 #[cfg(test)]
 mod tests;
 
+pub use function::TimeFunction;
 pub(crate) use harmonic::Harmonic;
+use pieces::Function;
 use profile::Profile;
+
+use std::f64::consts::TAU;
 
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::series::PowerSeries;
 
-/// A function of time as data: a force, the velocity of a belt, or a normal load.
+/// A function of time: a force, the velocity of a belt, a normal load, or the factor of a force
+/// element.
 ///
 /// ```text
-/// f(t) = c + Σ A_k cos(Ω_k t + φ_k) + Σ (straight lines through points)
+/// f(t) = c + Σ A_k cos(Ω_k t + φ_k) + Σ (straight lines through points) + Σ (your functions)
 /// ```
 ///
 /// c is a constant, and A_k, Ω_k and φ_k are the amplitude, angular frequency and phase of a
-/// harmonic. Times, angular frequencies (radians per unit of time) and values are in the units of
+/// harmonic. A function of your own, such as a chirp or a shock, is a [`TimeFunction`]. Times, angular frequencies (radians per unit of time) and values are in the units of
 /// the driven system; phases are in radians. A plain number such as `0.3` is accepted as a constant
 /// drive.
 ///
@@ -65,6 +74,9 @@ pub struct Drive {
     harmonics: Vec<Harmonic>,
     /// Profiles; none is constant.
     profiles: Vec<Profile>,
+    /// Functions of users, of which only that there are none can be written.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    functions: Vec<Function>,
 }
 
 impl Drive {
@@ -75,6 +87,7 @@ impl Drive {
             constant: value,
             harmonics: Vec::new(),
             profiles: Vec::new(),
+            functions: Vec::new(),
         }
     }
 
@@ -117,6 +130,26 @@ impl Drive {
     /// time, or if a slope overflows.
     pub fn profile(points: &[(f64, f64)]) -> Result<Self, Error> {
         Self::constant(0.0).with_profile(points)
+    }
+
+    /// Creates a drive of a function of your own, such as a chirp, a shock or a window.
+    ///
+    /// Drives with a function can be compared, where the function is equal only to itself in a
+    /// clone of its drive, but not written (feature `serde`). The function may jump at its
+    /// breakpoints, where a [profile](Self::profile) may.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::InvalidParameter`] unless the function's size is ≥ 0 and finite, its timescales
+    ///   are > 0, its period is > 0 and finite, and its values at time 0 and on both sides of each
+    ///   breakpoint are finite;
+    /// * [`Error::BadBreakpoints`] for the first breakpoint that is not finite, does not ascend, or
+    ///   lies outside the first period.
+    ///
+    /// If the function is not finite at another time, a motion that comes there ends in
+    /// [`Error::StepUnderflow`].
+    pub fn function(function: impl TimeFunction + Send + Sync + 'static) -> Result<Self, Error> {
+        Self::constant(0.0).with_function(function)
     }
 
     /// Adds a constant c.
@@ -180,6 +213,19 @@ impl Drive {
         }
     }
 
+    /// Adds a function of your own.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`function`](Self::function).
+    pub fn with_function(
+        mut self,
+        function: impl TimeFunction + Send + Sync + 'static,
+    ) -> Result<Self, Error> {
+        self.functions.push(Function::new(function)?);
+        Ok(self)
+    }
+
     /// The same drive plus cosine·cos(Ωt) + sine·sin(Ωt).
     fn with_waves(mut self, frequency: f64, cosine: f64, sine: f64) -> Result<Self, Error> {
         Error::check(
@@ -227,11 +273,13 @@ impl Drive {
     }
 
     /// The period: the least T > 0 with f(t + T) = f(t), in units of time. `None` if the drive is
-    /// constant, contains a profile, or has harmonics without a common period.
+    /// constant, contains a profile or a function without a [period](TimeFunction::period), or has
+    /// parts without a common period.
     ///
     /// Harmonics have a common period if the ratio of each angular frequency to the lowest angular
     /// frequency is within 4 ulps of a fraction p/q with q ≤ 1000. The tolerance is needed, because
-    /// in `f64` even 1.65/0.55 is not exactly 3.
+    /// in `f64` even 1.65/0.55 is not exactly 3. A function of period T counts as a harmonic of
+    /// angular frequency 2π/T.
     ///
     /// ```
     /// use stick_slip::Drive;
@@ -250,20 +298,27 @@ impl Drive {
 
     /// Returns true if the drive is constant.
     pub(crate) fn is_constant(&self) -> bool {
-        self.harmonics.is_empty() && self.profiles.is_empty()
+        self.harmonics.is_empty() && self.profiles.is_empty() && self.functions.is_empty()
+    }
+
+    /// Returns true if a user's function is a part of the drive.
+    pub(crate) fn has_functions(&self) -> bool {
+        !self.functions.is_empty()
     }
 
     /// Sum of the largest absolute values of the parts of f. It is a bound of |f|, and ε times this
-    /// sum is the unit of the rounding errors of f.
+    /// sum is the unit of the rounding errors of f. For functions of users it is what they say.
     pub(crate) fn size(&self) -> f64 {
         let harmonics = self.harmonics.iter().map(Harmonic::amplitude);
         let profiles = self.profiles.iter().map(Profile::size);
-        self.constant.abs() + harmonics.chain(profiles).sum::<f64>()
+        let functions = self.functions.iter().map(Function::size);
+        self.constant.abs() + harmonics.chain(profiles).chain(functions).sum::<f64>()
     }
 
-    /// The largest angular frequency; 0 without harmonics.
+    /// The largest angular frequency, of functions 1/timescale; 0 without harmonics and functions.
     pub(crate) fn fastest(&self) -> f64 {
         let frequencies = self.harmonics.iter().map(Harmonic::frequency);
+        let frequencies = frequencies.chain(self.functions.iter().map(Function::fastest));
         frequencies.fold(0.0, |fastest, frequency| fastest.max(frequency.abs()))
     }
 
@@ -274,6 +329,7 @@ impl Drive {
             sum = sum.with_waves(harmonic.angular_frequency, harmonic.cosine, harmonic.sine)?;
         }
         sum.profiles.extend(other.profiles.iter().cloned());
+        sum.functions.extend(other.functions.iter().cloned());
         Ok(sum)
     }
 
@@ -291,6 +347,11 @@ impl Drive {
                 .iter()
                 .map(|profile| profile.scaled(factor))
                 .collect(),
+            functions: self
+                .functions
+                .iter()
+                .map(|function| function.scaled(factor))
+                .collect(),
         }
     }
 
@@ -304,8 +365,10 @@ impl Drive {
     pub(crate) fn at(&self, time: Clock) -> [f64; 2] {
         let harmonics = self.harmonics.iter().map(|harmonic| harmonic.at(time));
         let profiles = self.profiles.iter().map(|profile| profile.at(time));
+        let functions = self.functions.iter().map(|function| function.at(time));
         harmonics
             .chain(profiles)
+            .chain(functions)
             .fold([self.constant, 0.0], |sum, [value, slope]| {
                 [sum[0] + value, sum[1] + slope]
             })
@@ -317,8 +380,11 @@ impl Drive {
         let harmonics = self.harmonics.iter().map(|harmonic| harmonic.at(clock)[0]);
         let profiles = self.profiles.iter();
         let profiles = profiles.map(|profile| profile.just_before(clock));
+        let functions = self.functions.iter();
+        let functions = functions.map(|function| function.just_before(clock));
         harmonics
             .chain(profiles)
+            .chain(functions)
             .fold(self.constant, |sum, value| sum + value)
     }
 
@@ -333,7 +399,25 @@ impl Drive {
             series[0] += value;
             series[1] += slope;
         }
+        for function in &self.functions {
+            series.add(1.0, &function.series(start));
+        }
         series
+    }
+
+    /// The longest step from `start` in which functions of users are looked at often enough;
+    /// infinite without them.
+    pub(crate) fn foresight(&self, start: Clock) -> f64 {
+        let functions = self.functions.iter();
+        let steps = functions.map(|function| function.foresight(start));
+        steps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// For each function of a user the largest distance from its [`series`](Self::series), within a
+    /// duration from `start` on and before the next break, and its size.
+    pub(crate) fn defects(&self, start: Clock, duration: f64) -> impl Iterator<Item = [f64; 2]> {
+        let functions = self.functions.iter();
+        functions.map(move |function| function.defect(start, duration))
     }
 
     /// The first time after `time` at which two pieces meet: a kink or a jump.
@@ -342,6 +426,8 @@ impl Drive {
             .profiles
             .iter()
             .filter_map(|profile| profile.next_break(time));
+        let functions = self.functions.iter();
+        let breaks = breaks.chain(functions.filter_map(|function| function.next_break(time)));
         breaks.min_by(f64::total_cmp)
     }
 
@@ -358,23 +444,27 @@ impl Drive {
 
     /// The first time at which the drive jumps.
     pub(crate) fn first_jump(&self) -> Option<f64> {
-        self.jumps().min_by(f64::total_cmp)
+        let functions = self.functions.iter().filter_map(Function::first_jump);
+        self.jumps().chain(functions).min_by(f64::total_cmp)
     }
 
     /// Returns true if the drive jumps at this time.
     pub(crate) fn jumps_at(&self, time: f64) -> bool {
-        self.jumps().any(|jump| jump == time)
+        let mut functions = self.functions.iter();
+        self.jumps().any(|jump| jump == time) || functions.any(|function| function.jumps_at(time))
     }
 
     fn jumps(&self) -> impl Iterator<Item = f64> {
         self.profiles.iter().flat_map(Profile::jumps)
     }
 
-    /// ∫ f dt from one time to a later one, in closed form.
+    /// ∫ f dt from one time to a later one: in closed form, of functions by quadrature.
     pub(crate) fn integral(&self, from: Clock, to: Clock) -> f64 {
         let harmonics = self.harmonics.iter().map(|h| h.integral(from, to));
         let profiles = self.profiles.iter().map(|p| p.integral(from, to));
-        self.constant * from.to(to) + harmonics.chain(profiles).sum::<f64>()
+        let functions = self.functions.iter().map(|f| f.integral(from, to));
+        let parts = harmonics.chain(profiles).chain(functions);
+        self.constant * from.to(to) + parts.sum::<f64>()
     }
 }
 
@@ -386,14 +476,22 @@ impl From<f64> for Drive {
 
 /// The least common period of several drives, as [`Drive::period`] defines it.
 pub(crate) fn common_period<'d>(drives: impl IntoIterator<Item = &'d Drive>) -> Option<f64> {
-    let mut frequencies = Vec::new();
+    let (mut frequencies, mut periods) = (Vec::new(), Vec::new());
     for drive in drives {
         if !drive.profiles.is_empty() {
             return None;
         }
         frequencies.extend(drive.harmonics.iter().map(Harmonic::frequency));
+        for function in &drive.functions {
+            let period = function.period()?;
+            frequencies.push(TAU / period);
+            periods.push(period);
+        }
     }
-    harmonic::common_period(&frequencies)
+    let period = harmonic::common_period(&frequencies)?;
+    // That of a function to the bit.
+    let is_same = |given: &f64| (given - period).abs() <= 4.0 * f64::EPSILON * period;
+    Some(periods.into_iter().find(is_same).unwrap_or(period))
 }
 
 #[cfg(feature = "serde")]

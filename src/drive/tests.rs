@@ -3,6 +3,7 @@ use num_bigint::BigInt;
 use proptest::prelude::*;
 
 use super::*;
+use crate::scalar::Scalar;
 use std::f64::consts::{PI, TAU};
 
 /// π in hexadecimal, without the point.
@@ -307,5 +308,77 @@ proptest! {
         let whole = drive.integral(start, end);
         let size = 1.0 + amplitude.abs() / frequency + 50.0;
         prop_assert!((sum - whole).abs() < 8.0 * f64::EPSILON * size, "{} {}", sum, whole);
+    }
+}
+
+/// A Gaussian bump every 2.5, and 0.5 more from 2 to 2.5.
+struct Train;
+
+impl TimeFunction for Train {
+    fn value<S: Scalar>(&self, time: S, piece: usize) -> S {
+        let bump = (-((time - 1.0) / 0.1).square()).exp();
+        if piece == 0 { bump } else { bump + 0.5 }
+    }
+    fn size(&self) -> f64 {
+        1.0
+    }
+    fn timescale(&self, _: usize) -> f64 {
+        0.1
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::once(2.0)
+    }
+    fn period(&self) -> Option<f64> {
+        Some(2.5)
+    }
+}
+
+#[test]
+fn a_function_repeats_its_pieces_in_both_directions_of_time() {
+    let drive = Drive::constant(0.2).with_function(Train).unwrap();
+    assert_eq!(
+        drive.breaks_in(-3.0, 5.0),
+        [-2.5, -0.5, 0.0, 2.0, 2.5, 4.5, 5.0]
+    );
+    for (time, before, after) in [(-0.5, 0.2, 0.7), (0.0, 0.7, 0.2), (2.0, 0.2, 0.7)] {
+        assert_abs_diff_eq!(drive.just_before(time), before, epsilon = 1e-16);
+        assert_abs_diff_eq!(drive.value(time), after, epsilon = 1e-16);
+        assert!(drive.jumps_at(time));
+    }
+    assert!(!drive.jumps_at(1.0));
+    assert_eq!(drive.first_jump(), Some(0.0));
+    assert_eq!((drive.size(), drive.period()), (1.2, Some(2.5)));
+    // After 10⁹ periods the phase is that of the first.
+    let late = Clock::at(2.5e9).after(1.03);
+    assert_abs_diff_eq!(drive.at(late)[0], drive.value(1.03), epsilon = 1e-15);
+    // A bump that touches the ends of a period by less than 1e-40.
+    let area = 0.2 * 2.5 + 0.5 * 0.5 + 0.1 * PI.sqrt();
+    let [from, to] = [Clock::at(0.3), Clock::at(0.3).after(2.5e3)];
+    assert_abs_diff_eq!(drive.integral(from, to), 1e3 * area, epsilon = 1e-12);
+    let doubled = drive.scaled(2.0).plus(&drive).unwrap();
+    assert_abs_diff_eq!(doubled.value(1.0), 3.0 * 1.2, epsilon = 1e-15);
+    assert_eq!(doubled.size(), 0.6 + 3.0);
+    // The common period with a harmonic.
+    let harmonic = Drive::sine(1.0, TAU / 7.5).unwrap();
+    let common = common_period([&drive, &harmonic]).unwrap();
+    assert_abs_diff_eq!(common, 7.5, epsilon = 1e-14);
+}
+
+#[test]
+fn a_function_is_its_series_at_late_times_too() {
+    let drive = Drive::function(Train).unwrap();
+    for start in [0.9, 1e4 + 0.9] {
+        let clock = Clock::at(start).after(1e-14);
+        let series = drive.series(clock);
+        for t in [0.0, 0.01, 0.03] {
+            assert_abs_diff_eq!(series.at(t), drive.at(clock.after(t))[0], epsilon = 1e-14);
+            let slope = drive.at(clock.after(t))[1];
+            assert_abs_diff_eq!(series.slope_at(t), slope, epsilon = 1e-12);
+        }
+        let [defect, size] = drive.defects(clock, 0.03).next().unwrap();
+        assert!(defect < 1e-14 && size == 1.0);
+        // A step over the bump that follows is seen.
+        let far = Clock::at(start - 0.85);
+        assert!(drive.defects(far, 1.5).next().unwrap()[0] > 0.5);
     }
 }

@@ -12,8 +12,8 @@ use stick_slip::{
     Backlash, Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
     ForceElement, ForceLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Pendulum, Physical,
     Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search, Slip, SnapThrough,
-    State, Stribeck, Structure, Tabulated, TabulatedForce, VanDerPol, bifurcation, check_law,
-    structure,
+    State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction, VanDerPol, bifurcation,
+    check_law, structure,
 };
 use stick_slip_tests_common::masses::driven as forced;
 use stick_slip_tests_common::polynomials::Polynomials;
@@ -53,6 +53,25 @@ impl ForceLaw for Stored {
     }
     fn potential<S: Scalar>(&self, position: S, _: usize) -> Option<S> {
         Some(position * self.0)
+    }
+}
+
+/// A constant function of time with this size, timescale and period.
+#[derive(Debug, Clone, Copy)]
+struct Timed([f64; 4]);
+
+impl TimeFunction for Timed {
+    fn value<S: Scalar>(&self, time: S, _: usize) -> S {
+        time.constant(self.0[3])
+    }
+    fn size(&self) -> f64 {
+        self.0[0]
+    }
+    fn timescale(&self, _: usize) -> f64 {
+        self.0[1]
+    }
+    fn period(&self) -> Option<f64> {
+        Some(self.0[2])
     }
 }
 
@@ -275,6 +294,9 @@ fn systems() -> Vec<Case> {
         "Drive" "phase" &ANY, |x| Drive::harmonic(1.0, 1.0, x);
         "Drive" "time" &[-1.0], |x| Drive::profile(&[(0.0, 1.0), (x, 2.0)]);
         "Drive" "value" &ANY, |x| Drive::profile(&[(0.0, 1.0), (1.0, x)]);
+        "Drive" "size" BELOW, |x| Drive::function(Timed([x, 1.0, 1.0, 0.0]));
+        "Drive" "period" NOT_ABOVE, |x| Drive::function(Timed([1.0, 1.0, x, 0.0]));
+        "Drive" "value" &ANY, |x| Drive::function(Timed([1.0, 1.0, 1.0, x]));
         "Contact" "load" NOT_ABOVE, |x| Contact::new(0, law(), x);
         "Contact" "gradient" &ANY, |x| Contact::new(0, law(), 1.0)?.with_load_gradient(0, x);
         "Structure" "mass 1" NOT_ABOVE, |x| Structure::new(&[1.0, x, -2.0]);

@@ -22,6 +22,7 @@ mod energy;
 mod force_laws;
 mod forces;
 mod formulas;
+mod functions;
 mod identities;
 mod memory;
 mod memory_formulas;

@@ -67,6 +67,19 @@ pub(super) fn is_accepted(
             .all(|(element, of)| force_is_accepted((element, of), plan, &held, checks))
 }
 
+/// Returns true if the series of all functions of users, as drives, are those of the functions over
+/// a step of length h, within an error relative to their sizes.
+pub(super) fn functions_are_accepted(
+    model: &Model<'_>,
+    situation: &Situation,
+    tolerance: f64,
+    h: f64,
+) -> bool {
+    let targets = model.functions.iter();
+    let mut defects = targets.flat_map(|&at| model.drive(at).defects(situation.clock, h));
+    defects.all(|[defect, size]| Allowance::new(tolerance * size, size).accepts([defect; 3], 1.0))
+}
+
 /// Returns true if the defect of a force element is accepted on each of its coordinates: at the
 /// same places, and about the extrema of its positions and velocities.
 fn force_is_accepted(

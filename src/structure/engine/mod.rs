@@ -253,7 +253,8 @@ impl<'s> Engine<'s> {
         let reach = slow::relax(model, situation, series, control, explicit);
         let elapsed = situation.clock.time.abs();
         // If nothing limits the step, the motion is a polynomial, and valid at any time.
-        let cut = reach.min(control.longest).min(LONGEST_STEP);
+        let farthest = LONGEST_STEP.min(model.foresight(situation.clock));
+        let cut = reach.min(control.longest).min(farthest);
         let is_long_enough =
             |h| h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE;
         let Control {
@@ -265,6 +266,7 @@ impl<'s> Engine<'s> {
             };
             // Behind a break of a drive other forces act.
             let is_taken = plan_shorter(model, situation, series, *tolerance, end, plan)
+                && defect::functions_are_accepted(model, situation, *tolerance, end)
                 && defect::is_accepted(model, situation, series, plan, end)
                 && (end >= to_break || go_through(model, situation, series, plan, firings));
             if is_taken {
@@ -293,7 +295,8 @@ impl<'s> Engine<'s> {
             firings,
             ..
         } = self;
-        let longest = plan_memory(model, situation, series, control);
+        let by_memory = plan_memory(model, situation, series, control);
+        let longest = by_memory.min(model.foresight(situation.clock));
         let elapsed = situation.clock.time.abs();
         let is_long_enough =
             |h| h >= to_break.min(longest) || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE;
@@ -302,8 +305,9 @@ impl<'s> Engine<'s> {
             // Roots of straight lines need no isolation.
             let found = first_firings(model, situation, series, [h, to_break], firings);
             let end = found.unwrap_or(h);
-            let is_exact =
-                longest.is_infinite() || defect::is_accepted(model, situation, series, plan, end);
+            let is_exact = defect::functions_are_accepted(model, situation, control.tolerance, end)
+                && (by_memory.is_infinite()
+                    || defect::is_accepted(model, situation, series, plan, end));
             if is_exact {
                 Attempt::Taken(end)
             } else {

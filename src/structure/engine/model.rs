@@ -10,6 +10,7 @@ use super::contact::{ContactData, Entries, Site, entry};
 use super::element::ElementData;
 use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;
+use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::FrictionLaw;
 use crate::motion::Mode;
@@ -65,6 +66,8 @@ pub(crate) struct Model<'s> {
     pub(super) time_unit: f64,
     /// The time in which the fastest drive advances by one radian; infinite without harmonics.
     pub(super) drive_unit: f64,
+    /// The drives with functions of users.
+    pub(super) functions: Vec<Target>,
 }
 
 /// A mass matrix, symmetric and positive definite.
@@ -141,6 +144,7 @@ impl<'s> Model<'s> {
             bandwidth: 0,
             time_unit: f64::INFINITY,
             drive_unit: f64::INFINITY,
+            functions: Vec::new(),
         };
         model.place_contacts();
         model.place_springs();
@@ -327,6 +331,10 @@ impl<'s> Model<'s> {
         let drives = self.varying.iter().map(|&target| self.drive(target));
         let fastest = drives.fold(0.0, |fastest: f64, drive| fastest.max(drive.fastest()));
         self.drive_unit = fastest.recip();
+        let varying = self.varying.iter().copied();
+        self.functions = varying
+            .filter(|&target| self.drive(target).has_functions())
+            .collect();
         for target in &self.varying {
             match *target {
                 Target::Force(j) => {
@@ -392,6 +400,13 @@ impl<'s> Model<'s> {
             Target::Load(c) => &self.contacts[c].load,
             Target::Factor(e) => &self.elements[e].factor,
         }
+    }
+
+    /// The longest step from a time on in which all functions of users are looked at often enough.
+    pub(super) fn foresight(&self, clock: Clock) -> f64 {
+        let targets = self.functions.iter();
+        let steps = targets.map(|&target| self.drive(target).foresight(clock));
+        steps.fold(f64::INFINITY, f64::min)
     }
 
     /// −M⁻¹(K x + C y)_i; `own` are x_i and y_i.

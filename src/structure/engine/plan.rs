@@ -187,7 +187,7 @@ fn plan_within(
 ) -> f64 {
     let reaches = Reach {
         tolerance,
-        has_gaps: !model.elements.is_empty(),
+        has_gaps: !(model.elements.is_empty() && model.functions.is_empty()),
     };
     plan.within = within;
     let scales = &mut plan.scales;
@@ -490,7 +490,7 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
 #[derive(Clone, Copy)]
 struct Reach {
     tolerance: f64,
-    /// True if there are force elements. A series whose last terms are 0 is then no polynomial:
+    /// True if there are force elements, or functions of users as drives. A series whose last terms are 0 is then no polynomial:
     /// that of x'' = −x⁶ from x = 0 has every seventh term only.
     has_gaps: bool,
 }

@@ -112,9 +112,20 @@ fn land_contact(
         Some(Firing::Load) => state.load_edge = Edge::reached(None),
         _ => {}
     }
-    if let (Phase::Stick { since, from }, Some(i)) = (state.phase, model.owner_of(c)) {
-        let way = contact.belt_velocity.integral(since, situation.clock);
-        situation.coordinates[i].displacement = from + way;
+    let (phase, owned) = (state.phase, model.owner_of(c));
+    let has_functions = contact.belt_velocity.has_functions();
+    if let Phase::Stick { since, from } = phase
+        && (owned.is_some() || has_functions)
+    {
+        let from = from + contact.belt_velocity.integral(since, situation.clock);
+        if has_functions {
+            // No quadrature from the start of stick at every step.
+            let since = situation.clock;
+            situation.contacts[c].phase = Phase::Stick { since, from };
+        }
+        if let Some(i) = owned {
+            situation.coordinates[i].displacement = from;
+        }
     }
     firing.is_some()
 }
