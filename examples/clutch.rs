@@ -125,7 +125,7 @@ fn main() -> Result<(), Error> {
     let both = (ENGINE - ROAD) / (INERTIAS[0] + INERTIAS[1]);
     let needed = ROAD + INERTIAS[1] * both;
     let locked = motion.state_at(2.5).unwrap_or_else(|| motion.last());
-    let torque = RADIUS * shafts.carried(2.5, &locked)?[0];
+    let torque = RADIUS * shafts.carried(2.5, &locked)?[0].force;
     println!(
         "torque in the locked clutch: {torque:.6} N·m, at most {:.1}",
         RADIUS * FACES * CLAMP * FRICTION[0]

@@ -373,18 +373,21 @@ pub enum Error {
     )]
     NoHopfPoint,
 
-    /// Contacts whose directions are linearly dependent, such as two parallel clutches, would stick
-    /// at the same time. Neither the force in each of them nor the time at which each slips again
-    /// is determined.
+    /// Too many contacts with linearly dependent directions are at rest at the same time. The ways
+    /// in which some of them can begin to slip are found by trying sets of them.
     #[error(
-        "contacts {contacts:?} all stick {reached}, but their directions are linearly dependent: \
-         the force in each of them is not determined; make them elastic by \
-         `with_tangential_stiffness`, or replace contacts of the same direction by one contact \
-         whose limit of the force, in each direction, is the sum of their limits"
+        "contacts {contacts:?} stick {reached}, and their directions are linearly dependent: how \
+         they can begin to slip would be found by trying {subsets} sets of them, more than {most}; \
+         replace contacts of the same direction by one contact with the sum of their limits, or \
+         make some of them elastic by `with_tangential_stiffness`"
     )]
-    Undetermined {
+    TooManyMechanisms {
         /// The numbers of these contacts.
         contacts: Vec<usize>,
+        /// The number of sets to try.
+        subsets: usize,
+        /// The largest number of sets that are tried.
+        most: usize,
         /// The time and state reached.
         reached: Reached,
     },

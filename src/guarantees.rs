@@ -132,14 +132,16 @@
 //!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
 //!   matter. Let contacts c with directions b_c and surface velocities w_c reach r = 0. A contact
 //!   with b = Σ a_c b_c and w = Σ a_c w_c, with any numbers a_c, then also reaches r = 0, and is
-//!   decided together with them. If contacts with linearly dependent directions would stick at the
-//!   same time, the run returns [`Error::Undetermined`](crate::Error::Undetermined):
+//!   decided together with them. Contacts with linearly dependent directions stick together until
+//!   their limits together are exceeded, as limit analysis says:
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::ties::ties_are_decided_as_by_all_patterns_tried`,
 //!   `structures::ties::a_stack_of_one_material_moves_as_its_lumped_body`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::contacts_come_to_rest_with_those_that_they_depend_on`,
-//!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
+//!   `structures::contacts::parallel_clutches_lock_and_slip_together`,
+//!   `structures::dependent::decisions_of_dependent_contacts_solve_the_programme`,
+//!   `structures::dependent::a_ring_slips_at_the_least_sum_of_limits`.
 //! * **Loads.** If a load that depends on time alone falls below 0 and rises again, its contact
 //!   opens and closes. A load that only touches 0 causes no event. If a contact has a
 //!   load gradient and no normal spring, and its load falls to 0, the motion ends with

@@ -155,8 +155,9 @@
 //!   structure.
 //! * **Contacts that share masses.** Stick or slip is decided for all of them together. The
 //!   decision is unique if static and kinetic coefficients are equal; otherwise it follows [a
-//!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions must
-//!   not come to rest at the same time ([`Error::Undetermined`]).
+//!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions may
+//!   rest together: when they slip is determined, though what each of them carries is not
+//!   ([`structure::Carried`]).
 //! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
 //!   steep friction as in the cubic law far above its minimum) does not increase the number of
 //!   steps, up to D of about 1e20. In structures stiffness does not increase the number of steps in

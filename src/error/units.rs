@@ -127,7 +127,7 @@ impl Error {
             | Self::NotSmooth
             | Self::NoSwitch { .. }
             | Self::NoDerivative { .. }
-            | Self::Undetermined { .. }
+            | Self::TooManyMechanisms { .. }
             | Self::LawNotConstant { .. }
             | Self::NonFiniteForce { .. }
             | Self::NotAnalyticForce { .. }

@@ -156,7 +156,7 @@ impl Integrator {
     ///   the size of the structure, and [`Error::InvalidParameter`] if a memory variable of `start`
     ///   is not finite or makes a static coefficient negative;
     /// * for contacts of a `Structure` also [`Error::OverLimit`], [`Error::Separation`] and
-    ///   [`Error::Undetermined`].
+    ///   [`Error::TooManyMechanisms`].
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate<S: System>(

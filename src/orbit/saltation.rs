@@ -53,7 +53,7 @@ struct Instant {
 
 /// How much later a contact reaches a limit, and the coordinates of the contacts connected with it.
 struct Delay {
-    contact: usize,
+    contacts: Vec<usize>,
     later: RowDVector<f64>,
     coordinates: Vec<bool>,
 }
@@ -349,17 +349,22 @@ impl TangentFlow<'_> {
     ) -> Vec<(usize, RowDVector<f64>)> {
         let (model, n) = (&self.form.model, self.form.len());
         let triggers = step.after().triggers.iter();
-        let delays = triggers.map(|&trigger| Delay {
-            contact: trigger.contact(),
-            later: self.triggered_later(step, linear, trigger),
-            coordinates: model.connected(trigger.contact()),
+        let delays = triggers.map(|trigger| {
+            let contacts: Vec<usize> = trigger.contacts().collect();
+            Delay {
+                later: self.triggered_later(step, linear, trigger),
+                coordinates: contacts.first().map_or(Vec::new(), |&c| model.connected(c)),
+                contacts,
+            }
         });
         let delays: Vec<Delay> = delays.collect();
         let never = self.row(0) * 0.0;
         let first_on = |i: usize| match &delays[..] {
             [] => None,
             [only] => Some(only),
-            several => several.iter().find(|delay| delay.coordinates[i]),
+            several => several
+                .iter()
+                .find(|delay| delay.coordinates.get(i) == Some(&true)),
         };
         let mut changes = Vec::new();
         let slopes = |i: usize| step.series()[i].derivative().at(step.duration());
@@ -376,7 +381,9 @@ impl TangentFlow<'_> {
             let memory = &event.state.memory[model.memory(contact)];
             let passage = self.passage(step, contact, event.kind, memory);
             let first = data.direction.first().and_then(|&(i, _)| first_on(i));
-            let own = delays.iter().find(|delay| delay.contact == contact);
+            let own = delays
+                .iter()
+                .find(|delay| delay.contacts.contains(&contact));
             let later = match (event.kind, own.or(first)) {
                 (EventKind::Open | EventKind::Close, _) => &self.load_later(step, contact),
                 (_, delay) => delay.map_or(&never, |delay| &delay.later),
@@ -385,7 +392,7 @@ impl TangentFlow<'_> {
             let (Some(own), Some(first)) = (own, first) else {
                 continue;
             };
-            if own.contact == first.contact {
+            if own.contacts == first.contacts {
                 continue;
             }
             // Its own part of the jump has its own delay.
@@ -405,11 +412,11 @@ impl TangentFlow<'_> {
     }
 
     /// The delay δt of the event that triggers other events of contacts that share coordinates.
-    fn triggered_later(&self, step: &Step, linear: &Linear, trigger: Trigger) -> RowDVector<f64> {
+    fn triggered_later(&self, step: &Step, linear: &Linear, trigger: &Trigger) -> RowDVector<f64> {
         let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
         match trigger {
             Trigger::Rest(number) => {
-                let contact = &model.contacts[number];
+                let contact = &model.contacts[*number];
                 let surface = contact.belt_velocity.series(step.clock());
                 let slope = |series: &PowerSeries| series.derivative().at(h);
                 let rate = contact.along(|j| slope(&step.series()[j])) - slope(&surface);
@@ -418,18 +425,23 @@ impl TangentFlow<'_> {
                 let slip = direction.fold(zero, |sum, &(j, b)| sum + self.row(n + j) * b);
                 slip * -rate.recip()
             }
-            Trigger::Bound(number, side, rate) => {
-                let contact = &model.contacts[number];
+            Trigger::Bound(parts, rate) => {
                 let state = step.end_state();
-                let (limit, slopes) = self.law(number).limit(&state.memory[model.memory(number)]);
-                let load = contact.load.series(step.clock()).at(h)
-                    + contact.displacement_load(|j| state.displacements[j]);
-                let mut gradient = self.carried_gradient(step, linear, number) * side.sign();
-                for &(j, a) in &contact.load_gradient {
-                    gradient += self.row(j) * (-limit * a * contact.compliance);
-                }
-                for (row, slope) in std::iter::zip(self.memory_rows(number), slopes) {
-                    gradient += self.row(row) * (-load * contact.compliance * slope);
+                let mut gradient = self.row(0) * 0.0;
+                for &(number, weight) in parts {
+                    let contact = &model.contacts[number];
+                    let (limit, slopes) =
+                        self.law(number).limit(&state.memory[model.memory(number)]);
+                    let load = contact.load.series(step.clock()).at(h)
+                        + contact.displacement_load(|j| state.displacements[j]);
+                    gradient += self.carried_gradient(step, linear, number) * weight;
+                    let scale = weight.abs() * contact.compliance;
+                    for &(j, a) in &contact.load_gradient {
+                        gradient += self.row(j) * (-limit * a * scale);
+                    }
+                    for (row, slope) in std::iter::zip(self.memory_rows(number), slopes) {
+                        gradient += self.row(row) * (-load * scale * slope);
+                    }
                 }
                 gradient * -rate.recip()
             }

@@ -1,5 +1,6 @@
 //! The motion of a structure, step by step.
 
+use super::carried::Carried;
 use super::energy::finite;
 use super::engine::model::Model;
 use super::engine::{Engine, check_start};
@@ -103,7 +104,8 @@ impl Structure {
 
     /// The friction force λ_c of each contact at the given time in the given state, in units of
     /// force. A positive λ_c opposes a positive relative velocity. At relative velocity 0, stick or
-    /// slip is decided as at the start of a motion. The force of an open contact is 0.
+    /// slip is decided as at the start of a motion. The force of an open contact is 0. If contacts
+    /// at rest have linearly dependent directions, each has a range of possible forces.
     ///
     /// # Errors
     ///
@@ -118,12 +120,15 @@ impl Structure {
     /// let clutch = Contact::between(0, 1, Coulomb::new(0.4, 0.3)?, 10.0)?;
     /// let shafts = Structure::new(&[1.0, 3.0])?.with_force(0, 2.0)?.with_contact(clutch)?;
     /// let state = State::at_rest(2);
-    /// assert_eq!(shafts.carried(0.0, &state)?, [1.5]);
+    /// let carried = shafts.carried(0.0, &state)?;
+    /// assert!(carried[0].force == 1.5 && carried[0].is_determined());
     /// assert_eq!(shafts.acceleration(0.0, &state)?, [0.5, 0.5]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
-    pub fn carried(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
-        all_finite(self.at(time, state)?.carried(), state)
+    pub fn carried(&self, time: f64, state: &State) -> Result<Vec<Carried>, Error> {
+        let carried = self.at(time, state)?.carried();
+        all_finite(carried.iter().map(|carried| carried.force).collect(), state)?;
+        Ok(carried)
     }
 
     /// The acceleration v' of each coordinate at the given time in the given state, in units of

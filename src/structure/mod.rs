@@ -5,6 +5,7 @@
 // | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
+// | `carried.rs` | `Carried`: the friction force of a contact, or its range |
 // | `energy.rs` | energies, work and heat |
 // | `steady.rs`, `sliding_field.rs` | steady sliding and its eigenvalues; the equations near it |
 // | `steady_at.rs` | steady sliding at given velocities |
@@ -121,6 +122,7 @@
 //! the step of one mass on a belt are [`crate::State`] and [`crate::Step`]. Any consistent units
 //! may be used.
 
+mod carried;
 mod contact;
 mod elastic;
 mod energy;
@@ -139,6 +141,7 @@ mod steady_at;
 mod step;
 mod system;
 
+pub use carried::Carried;
 pub use contact::Contact;
 pub(crate) use energy::Energies;
 pub use flow::Flow;

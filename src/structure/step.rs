@@ -57,20 +57,23 @@ pub(crate) struct EventData {
 }
 
 /// The condition that a contact with shared coordinates has reached; it may have no event itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Trigger {
     /// Rest: r = 0.
     Rest(usize),
-    /// The bound of its stick band on a side; the rate of σλ − N μ_s just before, multiplied by
-    /// G_cc.
-    Bound(usize, Direction, f64),
+    /// The bound of what contacts that slip together carry: h = Σ w_c λ_c − Σ |w_c| N μ_s, with
+    /// these w_c and forces multiplied by G_cc, and the rate of h just before. A single contact has
+    /// w = ±1.
+    Bound(Vec<(usize, f64)>, f64),
 }
 
 impl Trigger {
-    pub(crate) fn contact(self) -> usize {
-        match self {
-            Self::Rest(contact) | Self::Bound(contact, ..) => contact,
-        }
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = usize> {
+        let (rest, bound) = match self {
+            Self::Rest(contact) => (Some(*contact), &[][..]),
+            Self::Bound(parts, _) => (None, &parts[..]),
+        };
+        rest.into_iter().chain(bound.iter().map(|&(c, _)| c))
     }
 }
 

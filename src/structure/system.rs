@@ -59,9 +59,16 @@ use crate::friction::memory::ContactLaw;
 /// force stays at its limit: blocks of one material on each other, of which the lowest is pulled,
 /// move as one body on it.
 ///
-/// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
-/// dependent (parallel clutches) may slide. If all of them would stick at the same time, the motion
-/// ends with [`Error::Undetermined`].
+/// The result does not depend on the numbering of contacts.
+///
+/// Contacts whose directions are linearly dependent (parallel clutches; two brakes and the clutch
+/// between them) may stick at the same time. What each of them carries is then not determined, but
+/// when they slip is. A mechanism is a motion with relative velocities s_c in which as few contacts
+/// as possible slip. Contacts at rest begin to slip in the first mechanism in which the power of
+/// the load exceeds Σ N_c μ_s |s_c| (the kinematic theorem of limit analysis). If static and
+/// kinetic coefficients are equal, exactly the contacts of this mechanism slip then, all at one
+/// time; otherwise they are those that may yield by the rule above.
+/// [`carried`](Self::carried) returns the range of the forces that are possible.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Rational, Structure};

@@ -25,6 +25,7 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use serde_json::Value;
+use stick_slip::structure::Carried;
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Error, EventKind, Exponential, LimitCycle, MassOnBelt, Polynomial,
     State,
@@ -156,6 +157,11 @@ pub fn count(few: usize, all: usize) -> usize {
 /// The first few of some cases, or all of them; see [`count`].
 pub fn some<T, const N: usize>(few: usize, cases: [T; N]) -> impl Iterator<Item = T> {
     cases.into_iter().take(count(few, N))
+}
+
+/// The force of each contact.
+pub fn forces(carried: &[Carried]) -> Vec<f64> {
+    carried.iter().map(|carried| carried.force).collect()
 }
 
 /// The repository: tests run in the folder of their package.

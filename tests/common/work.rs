@@ -4,6 +4,7 @@ use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::{State, Step};
 use stick_slip::{AnyLaw, FrictionLaw, Mode, Segment, Structure, Trajectory};
 
+use crate::naive::is_definite;
 use crate::orbit::integrate;
 
 /// A structure whose contacts have laws of dry friction.
@@ -32,6 +33,14 @@ impl<'s> Work<'s> {
             mass,
             rows,
         }
+    }
+
+    /// Whether that is determined: the directions of the contacts that stick are independent.
+    pub fn is_determined(&self, modes: &[Mode]) -> bool {
+        let sticks = |c: &usize| modes[*c] == Mode::Stick;
+        let stuck: Vec<usize> = (0..modes.len()).filter(sticks).collect();
+        let rows = self.rows.select_rows(&stuck);
+        stuck.is_empty() || is_definite(&(&rows * &self.inverse * rows.transpose()))
     }
 
     /// What contacts with these modes carry.
@@ -64,7 +73,11 @@ impl<'s> Work<'s> {
                 .map(|&c| contacts[c].belt_velocity().slope(time));
             let pulls = &rows * &rates - DVector::from_iterator(stuck.len(), slopes);
             let compliance = &rows * &self.inverse * rows.transpose();
-            let held = compliance.cholesky().unwrap().solve(&pulls);
+            // Of dependent contacts the forces of the least norm.
+            let held = match compliance.clone().cholesky() {
+                Some(factor) if is_definite(&compliance) => factor.solve(&pulls),
+                _ => compliance.svd(true, true).solve(&pulls, 1e-9).unwrap(),
+            };
             for (&c, held) in stuck.iter().zip(&held) {
                 carried[c] = *held;
             }

@@ -91,10 +91,10 @@ fn the_number_of_contacts_is_bounded() {
     message(many(most + 1), &["contacts = 4097", "at most 4096", "one"]);
 }
 
-/// The words about a load that is not positive say what describes a gap, and those about parallel
-/// contacts in stick what can replace them.
+/// The words about a load that is not positive say what describes a gap, and those about too many
+/// dependent contacts in stick what can replace them.
 #[test]
-fn remedies_fit_gaps_and_parallel_contacts() {
+fn remedies_fit_gaps_and_dependent_contacts() {
     for load in [0.0, -2.5, f64::NAN] {
         let gap = Contact::new(0, law(), load);
         message(
@@ -102,16 +102,22 @@ fn remedies_fit_gaps_and_parallel_contacts() {
             &["load > 0", "gap", "`Contact::with_normal_spring`"],
         );
     }
-    let pads = [0.0, 1.0].map(|_| Contact::new(0, law(), 1.0).unwrap());
-    let stuck = masses(1)
-        .with_contacts(pads)
-        .unwrap()
-        .simulate(State::at_rest(1), 1.0);
-    let remedies = [
-        "`with_tangential_stiffness`",
-        "in each direction",
-        "sum of their limits",
-    ];
+    // Ten masses on the ground, each joined to the next: C(19, 9) sets.
+    let ground = (0..10).map(|i| Contact::new(i, law(), 1.0).unwrap());
+    let joints = (0..9).map(|i| Contact::between(i, i + 1, law(), 1.0).unwrap());
+    let chain = masses(10).with_contacts(ground.chain(joints)).unwrap();
+    let stuck = chain.simulate(State::at_rest(10), 1.0);
+    let Err(Error::TooManyMechanisms {
+        contacts,
+        subsets: 92378,
+        most: 10_000,
+        reached,
+    }) = &stuck
+    else {
+        panic!("{stuck:?}")
+    };
+    assert_eq!((contacts.len(), reached.time), (19, 0.0));
+    let remedies = ["`with_tangential_stiffness`", "sum of their limits"];
     message(stuck, &remedies);
 }
 

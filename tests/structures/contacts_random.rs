@@ -21,7 +21,7 @@ fn motions_of_joints_obey_the_law() {
         let work = Work::new(&structure, &laws);
         let about = || format!("{i}: {plain:?}\n{start:?}");
         let flow = match Integrator::new().flow(&structure, start.clone()) {
-            Err(Error::Undetermined { .. } | Error::Separation { .. }) => continue,
+            Err(Error::Separation { .. }) => continue,
             flow => flow.unwrap(),
         };
         let mut largest = 1.0_f64;
@@ -29,7 +29,7 @@ fn motions_of_joints_obey_the_law() {
         for step in flow {
             let step = match step {
                 Ok(step) => step,
-                Err(Error::Undetermined { .. } | Error::Separation { .. }) => {
+                Err(Error::Separation { .. }) => {
                     ended += 1;
                     break;
                 }
@@ -55,6 +55,7 @@ fn motions_of_joints_obey_the_law() {
                 let t = part * step.duration();
                 let (time, state) = (step.start_time() + t, step.state_at(t));
                 let carried = work.carried(time, &state, step.modes());
+                let is_determined = work.is_determined(step.modes());
                 let v = stick_slip::nalgebra::DVector::from_column_slice(&state.velocities);
                 for (c, contact) in structure.contacts().iter().enumerate() {
                     let belt = contact.belt_velocity().value(time);
@@ -67,7 +68,8 @@ fn motions_of_joints_obey_the_law() {
                         }
                         Mode::Stick => {
                             let most = load * laws[c].static_coefficient();
-                            r.abs() <= allowed && carried[c].abs() <= most + 100.0 * allowed
+                            let is_within = carried[c].abs() <= most + 100.0 * allowed;
+                            r.abs() <= allowed && (is_within || !is_determined)
                         }
                     };
                     assert!(holds, "contact {c} at {time}: {r:e} {load:e} {}", about());
@@ -89,7 +91,7 @@ fn motions_of_joints_obey_the_law() {
 fn a_simple_integrator_sees_the_same_events_of_joints() {
     let mut random = Random::new(501);
     let mut all = Comparison::default();
-    let (mut ambiguous, mut at_rest) = (0, 0);
+    let (mut ambiguous, mut at_rest, mut dependent) = (0, 0, 0);
     let cases = count(20, 40);
     for i in 0..cases {
         let (plain, start) = loop {
@@ -109,24 +111,19 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
             events
         };
         let [coarse, fine] = [2.0 * STEP, STEP].map(|h| later(plain.events(&start, duration, h)));
-        if fine.iter().any(|seen| seen.2 == 'u' && seen.0 == 0.0) {
-            assert!(plain.structure().simulate(start, duration).is_err());
+        // The simple integrator knows no contacts at rest with dependent directions.
+        let (motion, end) = simulate(&plain, &start, duration).unwrap();
+        if fine.iter().chain(&coarse).any(|seen| seen.2 == 'u') {
+            dependent += 1;
             continue;
         }
-        let (motion, end) = match simulate(&plain, &start, duration) {
-            Ok(found) => found,
-            Err(error) => {
-                let is_seen = fine.iter().chain(&coarse).any(|seen| seen.2 == 'u');
-                assert!(is_seen, "{i}: {error:?}\n{fine:?}\n{plain:?}\n{start:?}");
-                continue;
-            }
-        };
         let mut found = later(told(&motion));
         found.extend(end);
         let motion = format!("{i}:\n{plain:?}\n{start:?}");
         all.add(&found, [&coarse, &fine], duration, &motion);
     }
     println!("{all}; {at_rest} with several at rest, {ambiguous} ambiguous starts");
+    println!("{dependent} with dependent contacts at rest");
     assert!(at_rest * 5 > cases, "{at_rest}");
     assert!(all.compared > 3 * cases, "{all}");
     assert!(all.undecided * 5 < cases, "{all}");

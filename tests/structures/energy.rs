@@ -10,7 +10,7 @@ use stick_slip::{
     Structure, Trajectory,
 };
 
-use crate::common::{Random, Worst, count, list, oscillator, text};
+use crate::common::{Random, Worst, count, forces, list, oscillator, text};
 use crate::plain::Plain;
 use crate::random::simulate;
 use crate::reading::{cases, numbers, structure};
@@ -263,7 +263,7 @@ fn samples_hold_what_acts() {
         if motion.events().iter().any(near) {
             continue;
         }
-        let carried = system.carried(sample.time, state).unwrap();
+        let carried = forces(&system.carried(sample.time, state).unwrap());
         let acceleration = system.acceleration(sample.time, state).unwrap();
         for (found, expected) in [
             (&sample.friction, carried),

@@ -15,6 +15,7 @@ mod contacts;
 mod contacts_random;
 mod cost;
 mod decisions;
+mod dependent;
 mod edges;
 mod elastic;
 mod elastic_identities;

@@ -115,7 +115,7 @@ fn seen(structure: &Structure, start: &State, tolerance: f64, duration: f64) -> 
     for (n, step) in flow.into_iter().flatten().enumerate() {
         let step = match step {
             Ok(step) => step,
-            Err(Error::Separation { .. } | Error::Undetermined { .. }) => break,
+            Err(Error::Separation { .. }) => break,
             Err(error) => panic!("{error}\n{structure:?}\n{start:?}"),
         };
         assert!(n < 10000, "{structure:?}\n{start:?}");
@@ -293,18 +293,15 @@ fn a_simple_integrator_sees_the_same_events_with_force_elements() {
         const STEP: f64 = 4e-3;
         let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
         let motion = format!("{tried}:\n{plain:?}\n{start:?}");
-        match simulate(&plain, &start, duration) {
-            Ok((trajectory, end)) => {
-                let mut found = told(&trajectory);
-                found.extend(end);
-                all.add(&found, [&coarse, &fine], duration, &motion);
-            }
-            Err(Error::Undetermined { .. }) => {
-                let is_seen = fine.iter().chain(&coarse).any(|seen| seen.2 == 'u');
-                assert!(is_seen, "{fine:?}\n{motion}");
-            }
-            Err(error) => panic!("{error}\n{motion}"),
+        let (trajectory, end) =
+            simulate(&plain, &start, duration).unwrap_or_else(|error| panic!("{error}\n{motion}"));
+        // The simple integrator knows no contacts at rest with dependent directions.
+        if fine.iter().chain(&coarse).any(|seen| seen.2 == 'u') {
+            continue;
         }
+        let mut found = told(&trajectory);
+        found.extend(end);
+        all.add(&found, [&coarse, &fine], duration, &motion);
     }
     println!("{all}");
     assert!(all.compared > 3 * cases, "{all}");

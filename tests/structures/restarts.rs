@@ -6,7 +6,7 @@ use stick_slip::{
     Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, Segment, Structure, Trajectory,
 };
 
-use crate::common::{Random, count, one_mass};
+use crate::common::{Random, count, forces, one_mass};
 
 const DURATION: f64 = 20.0;
 
@@ -222,7 +222,6 @@ fn a_returned_state_is_a_start_of_the_same_motion() {
         let (structure, start) = draw(&mut random);
         let motion = match run(&structure, 0.0, start.clone()) {
             Ok(motion) => motion,
-            Err(Error::Undetermined { .. }) => continue,
             Err(error) => panic!("{number}: {error}\n{structure:?}\n{start:?}"),
         };
         let times = (0..each).map(|_| random.uniform(0.0, DURATION));
@@ -327,7 +326,9 @@ fn samples_agree_with_forces_and_accelerations_of_their_states() {
                 continue;
             }
             samples += 1;
-            let carried = structure.carried(time, &sample.state);
+            let carried = structure
+                .carried(time, &sample.state)
+                .map(|all| forces(&all));
             let accelerations = structure.acceleration(time, &sample.state);
             let apart = |found: Result<Vec<f64>, Error>, expected: &[f64]| {
                 let found = found.unwrap_or_else(|_| vec![f64::NAN; expected.len()]);
@@ -378,7 +379,7 @@ fn a_locked_clutch_stays_locked() {
     // What the joint carries by the equation of mass 1.
     let time = 2.294;
     let state = motion.state_at(time).unwrap();
-    let carried = structure.carried(time, &state).unwrap()[0];
+    let carried = structure.carried(time, &state).unwrap()[0].force;
     let rate = structure.acceleration(time, &state).unwrap()[1];
     assert!((3.0 * rate + state.displacements[1] - carried).abs() < 1e-15);
     assert!((carried + 0.0081).abs() < 1e-4, "{carried}");

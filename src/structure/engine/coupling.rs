@@ -78,6 +78,12 @@ impl Model<'_> {
     /// That is judged by the directions themselves: G would not tell a direction from one at an
     /// angle of √ε to it.
     pub(super) fn dependence(&self, c: usize, holding: &Holding) -> Option<Vec<(usize, f64)>> {
+        let (parts, depends) = self.parts(c, holding);
+        depends.then_some(parts)
+    }
+
+    /// The α of the combination that comes nearest to b, and whether it is b.
+    pub(super) fn parts(&self, c: usize, holding: &Holding) -> (Vec<(usize, f64)>, bool) {
         let Holding { contacts, factor } = holding;
         let all = || contacts.iter().copied().chain([c]);
         let along = all().flat_map(|c| self.contacts[c].direction.iter().map(|&(j, _)| j));
@@ -111,7 +117,8 @@ impl Model<'_> {
         let depends = rest
             .iter()
             .all(|(rest, size)| rest.abs() <= ROUNDING * size);
-        depends.then(|| std::iter::zip(contacts.iter().copied(), parts).collect())
+        let parts = std::iter::zip(contacts.iter().copied(), parts);
+        (parts.collect(), depends)
     }
 
     /// b − Σ α_c b_c, and the sum of the sizes of its terms, for each of the coordinates of these
@@ -244,21 +251,6 @@ impl Model<'_> {
         softness: &dyn Fn(usize) -> f64,
     ) -> Result<Factor, usize> {
         Factor::with_diagonal(&|i| 1.0 + softness(among[i]), &mut self.couplings(among))
-    }
-
-    /// The factor of G with a small additional compliance of each contact, so that contacts with
-    /// dependent directions share the force.
-    pub(super) fn soft_factor(&self, among: &[usize]) -> Factor {
-        const SOFTEST: f64 = 1.0;
-        let mut softness = 1e-8;
-        loop {
-            match self.giving_factor(among, &|_| softness) {
-                Ok(factor) => return factor,
-                // Numbers that are not finite.
-                Err(_) if softness > SOFTEST => return Factor::default(),
-                Err(_) => softness *= 100.0,
-            }
-        }
     }
 
     /// The couplings of each of these contacts with those before it.

@@ -54,7 +54,12 @@ impl Edge {
     /// N μ_s ∓ ℓ, with the zeros that are known.
     pub(super) fn distance(self, series: &ContactSeries, side: Direction) -> PowerSeries {
         let (bound, carried) = (&series.bound, &series.carried);
-        let mut distance = PowerSeries::from_fn(|k| bound[k] - side.sign() * carried[k]);
+        let distance = PowerSeries::from_fn(|k| bound[k] - side.sign() * carried[k]);
+        self.with_zeros(distance, side)
+    }
+
+    /// A distance with the zeros that are known.
+    pub(super) fn with_zeros(self, mut distance: PowerSeries, side: Direction) -> PowerSeries {
         if self.is_at(side) {
             for k in 0..self.known() {
                 distance[k] = 0.0;

@@ -22,6 +22,8 @@ const TOGETHER: f64 = 4.0;
 pub(super) struct Firings {
     /// Time and reason with which each contact ends the step, if it does.
     pub(super) contacts: Vec<Option<(f64, Firing)>>,
+    /// The same of mechanisms.
+    pub(super) mechanisms: Vec<Option<(f64, Firing)>>,
     /// The breakpoint that each force element passes at the end of the step, if it does.
     pub(super) passages: Vec<Option<Passage>>,
 }
@@ -40,6 +42,7 @@ pub(super) fn first_firings(
     let slack = |end: f64| TOGETHER * f64::EPSILON * (elapsed + end);
     let mut end = h;
     firings.contacts.clear();
+    firings.mechanisms.clear();
     firings.passages.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
         let limit = if end < h { h.min(end + slack(end)) } else { h };
@@ -50,6 +53,15 @@ pub(super) fn first_firings(
         }
         firings.contacts.push(firing);
     }
+    for mechanism in &situation.mechanisms {
+        let limit = if end < h { h.min(end + slack(end)) } else { h };
+        let distance = |side| mechanism.distance(model, series, side);
+        let firing = bound_firing(distance, limit)?;
+        if let Some((time, _)) = firing {
+            end = end.min(time);
+        }
+        firings.mechanisms.push(firing);
+    }
     let elements = std::iter::zip(&situation.elements, &series.elements);
     for (element, (state, of)) in std::iter::zip(&model.elements, elements) {
         let limit = if end < h { h.min(end + slack(end)) } else { h };
@@ -59,7 +71,7 @@ pub(super) fn first_firings(
         }
         firings.passages.push(passage);
     }
-    for firing in &mut firings.contacts {
+    for firing in firings.contacts.iter_mut().chain(&mut firings.mechanisms) {
         *firing = firing.filter(|&(time, _)| time <= end + slack(end));
     }
     for passage in &mut firings.passages {
@@ -83,7 +95,9 @@ fn first_firing(
     let of_load = load_firing(state, series, h)?;
     let of_motion = match state.phase {
         Phase::Open => None,
-        Phase::Stick { .. } => bound_firing(series, state.edge, h)?,
+        Phase::Stick { .. } if state.is_in_group => None,
+        Phase::Stick { .. } if stays_inside(state, series, h) => None,
+        Phase::Stick { .. } => bound_firing(|side| state.edge.distance(series, side), h)?,
         Phase::Slip { piece, .. } => speed_firing(&series.speeds, breakpoints, piece, h)?,
     };
     Ok(match (of_load, of_motion) {
@@ -113,21 +127,21 @@ fn load_firing(
     first(&load, h, Firing::Load)
 }
 
-/// The force in a sticking contact reaches one of its limits.
+/// Returns true if the force in a sticking contact surely stays within its limits.
+fn stays_inside(state: &ContactState, series: &ContactSeries, h: f64) -> bool {
+    let is_away = state.edge == Edge::Away && series.bound.is_constant();
+    is_away && series.carried.stays_within(series.bound[0], h)
+}
+
+/// The first of the two distances from its bounds that reaches 0.
 fn bound_firing(
-    series: &ContactSeries,
-    edge: Edge,
+    distance: impl Fn(Direction) -> PowerSeries,
     h: f64,
 ) -> Result<Option<(f64, Firing)>, TooCurved> {
-    let carried = &series.carried;
-    if edge == Edge::Away && series.bound.is_constant() && carried.stays_within(series.bound[0], h)
-    {
-        return Ok(None);
-    }
     let mut found: Option<(f64, Firing)> = None;
     for side in [Direction::Lagging, Direction::Leading] {
         // Both over the whole step: the last bits of a root depend on the interval.
-        let firing = first(&edge.distance(series, side), h, Firing::Bound(side))?;
+        let firing = first(&distance(side), h, Firing::Bound(side))?;
         let is_first = |&(time, _): &(f64, Firing)| found.is_none_or(|(other, _)| time <= other);
         found = firing.filter(is_first).or(found);
     }

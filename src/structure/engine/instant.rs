@@ -2,6 +2,7 @@
 
 use super::contact::{ContactData, Site};
 use super::factor::Holding;
+use super::mechanisms::Resting;
 use super::model::Model;
 use crate::clock::Clock;
 use crate::drive::Drive;
@@ -16,7 +17,7 @@ use crate::structure::Step;
 pub(crate) struct Forces<'a, 's> {
     model: &'a Model<'s>,
     step: &'a Step,
-    holding: Holding,
+    resting: Resting,
 }
 
 /// Forces and accelerations at one time.
@@ -66,8 +67,10 @@ impl AtElement {
 
 impl<'a, 's> Forces<'a, 's> {
     pub(crate) fn of(model: &'a Model<'s>, step: &'a Step) -> Self {
+        let shared = model.shared.iter().copied();
+        let sticks = shared.filter(|&c| step.modes()[c] == Mode::Stick);
         Self {
-            holding: model.holding(&|c| step.modes()[c] == Mode::Stick),
+            resting: model.resting(sticks.collect()),
             model,
             step,
         }
@@ -146,6 +149,7 @@ impl<'a, 's> Forces<'a, 's> {
             }
         }
         self.hold(&mut accelerations, &mut contacts);
+        self.share(&state, &mut contacts);
         Instant {
             state,
             accelerations,
@@ -168,7 +172,7 @@ impl<'a, 's> Forces<'a, 's> {
         let Holding {
             contacts: sticking,
             factor,
-        } = &self.holding;
+        } = &self.resting.holding;
         let root = |c: usize| model.contacts[c].compliance.sqrt();
         let apart = |c: usize| {
             let along = model.contacts[c].along(|j| accelerations[j]);
@@ -181,6 +185,20 @@ impl<'a, 's> Forces<'a, 's> {
             for &(j, x) in model.contacts[c].responses() {
                 accelerations[j] -= x * (part * root(c));
             }
+        }
+    }
+
+    /// Shares the forces that contacts with dependent directions carry together.
+    fn share(&self, state: &State, contacts: &mut [AtContact]) {
+        let root = |c: usize| self.model.contacts[c].compliance.sqrt();
+        let bound = |c: usize| {
+            let memory = &state.memory[self.model.memory(c)];
+            let limit = self.model.contacts[c].law.limit(&|j| memory[j]);
+            contacts[c].load.max(0.0) * limit.unwrap_or(0.0) * root(c)
+        };
+        let force = |c: usize| contacts[c].carried * root(c);
+        for (c, share) in self.resting.shares(force, bound) {
+            contacts[c].carried = share / root(c);
         }
     }
 }

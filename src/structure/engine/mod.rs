@@ -29,6 +29,7 @@
 //! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
 //! | `modes_after.rs` | the modes of contacts after an event, one by one |
 //! | `shared_modes.rs` | the modes of contacts that share coordinates, together |
+//! | `mechanisms.rs` | the ways in which contacts with dependent directions begin to slip |
 //! | `programme.rs` | the programme for their forces and accelerations |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
@@ -50,6 +51,7 @@ pub(crate) mod factor;
 mod fault;
 mod groups;
 pub(crate) mod instant;
+mod mechanisms;
 pub(crate) mod model;
 pub(crate) mod modes;
 mod modes_after;
@@ -75,6 +77,7 @@ use edge::{Edge, side_of};
 use elements::singular_force;
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
+use mechanisms::Mechanism;
 use model::Model;
 use modes::{At, Modes};
 use modes_after::{close, decide};
@@ -83,6 +86,7 @@ use series::Series;
 use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
 
+use super::carried::Carried;
 use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::Error;
@@ -370,17 +374,43 @@ impl<'s> Engine<'s> {
     }
 
     /// The force in each contact, in units of force: λ_c, 0 where open.
-    pub(super) fn carried(&self) -> Vec<f64> {
-        let contacts = std::iter::zip(&self.situation.contacts, &self.series.contacts);
+    pub(super) fn carried(&self) -> Vec<Carried> {
+        let Self {
+            model,
+            situation,
+            series,
+            ..
+        } = self;
+        let contacts = std::iter::zip(&situation.contacts, &series.contacts);
         let forces = contacts.map(|(state, of)| match state.phase {
             Phase::Open => 0.0,
             Phase::Stick { .. } => of.carried[0],
             Phase::Slip { direction, .. } => direction.sign() * of.load[0] * of.friction[0],
         });
-        let scaled = std::iter::zip(forces, &self.model.contacts);
-        scaled
-            .map(|(force, contact)| force / contact.compliance)
-            .collect()
+        let scaled = std::iter::zip(forces, &model.contacts);
+        let scaled = scaled.map(|(force, contact)| Carried::of(force / contact.compliance));
+        let mut all: Vec<Carried> = scaled.collect();
+        if situation.mechanisms.is_empty() {
+            return all;
+        }
+        let sticks = model.shared.iter().copied();
+        let sticks = sticks.filter(|&c| situation.contacts[c].sticks());
+        let root = |c: usize| model.contacts[c].compliance.sqrt();
+        let force = |c: usize| series.contacts[c].carried[0] / root(c);
+        let bound = |c: usize| series.contacts[c].bound[0] / root(c);
+        for (c, force) in model.resting(sticks.collect()).shares(force, bound) {
+            let most = bound(c);
+            let [least, most] = [-most, most].map(|bound| bound / root(c));
+            let force = force / root(c);
+            all[c] = Carried { force, least, most };
+        }
+        for mechanism in &situation.mechanisms {
+            for (c, range) in mechanism.ranges(force, bound) {
+                let [least, most] = range.map(|bound| bound / root(c));
+                all[c].restrict(least, most);
+            }
+        }
+        all
     }
 
     /// v' of each coordinate.
@@ -462,10 +492,21 @@ fn triggers(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -
         match state.edge {
             Edge::On(Some(side), _) => {
                 let distance = Edge::Away.distance(&series.contacts[c], side);
-                Some(Trigger::Bound(c, side, -distance.derivative().at(h)))
+                let rate = -distance.derivative().at(h);
+                Some(Trigger::Bound(vec![(c, side.sign())], rate))
             }
             _ => state.has_arrived().then_some(Trigger::Rest(c)),
         }
     };
-    model.shared.iter().filter_map(trigger).collect()
+    let of_mechanism = |mechanism: &Mechanism| {
+        let Edge::On(Some(side), _) = mechanism.edge else {
+            return None;
+        };
+        let distance = mechanism.distance(model, series, side);
+        let rate = -distance.derivative().at(h);
+        Some(Trigger::Bound(mechanism.weights(model, side), rate))
+    };
+    let contacts = model.shared.iter().filter_map(trigger);
+    let mechanisms = situation.mechanisms.iter().filter_map(of_mechanism);
+    contacts.chain(mechanisms).collect()
 }

@@ -4,16 +4,23 @@
 //! a = a⁰ − G λ;   λ_c within its bounds where a_c = 0, at the bound against a_c elsewhere
 //! ```
 //!
-//! It is convex, and a is unique. It is solved by pivoting: beginning with a guess of the contacts
-//! that stick, the modes that violate their condition are changed until no condition is violated.
+//! It is convex, and a is unique. The same programme holds for the values at an instant, with the
+//! limits of friction as bounds, and for the coefficients of any order, where contacts on an edge
+//! of their band have one bound and contacts inside it none.
 //!
-//! The same programme holds for the values at an instant, with the limits of friction as bounds,
-//! and for the coefficients of any order, where contacts on an edge of their band have one bound
-//! and contacts inside it none.
+//! If the directions of all contacts are independent, it is solved by pivoting: beginning with a
+//! guess of the contacts that stick, the modes that violate their condition are changed until no
+//! condition is violated. Otherwise it is solved by an active set: the accelerations move along
+//! faces on which some contacts rest and the others slip in given directions, to the minimum of ½
+//! (a − a⁰)ᵀG⁻¹(a − a⁰) + Σ B_c |a_c| on each. A contact that comes to rest on the way joins those
+//! at rest; at a minimum the mechanism whose bound is exceeded most leaves them. The sum falls from
+//! round to round, so that this ends.
 
 use super::edge::{EDGE_ROUNDING, side_of};
 use super::factor::Holding;
+use super::mechanisms::{Mechanism, Resting, TooMany, disagreement};
 use super::model::Model;
+use super::series::Series;
 use crate::state::Direction;
 
 /// A contact with r = 0. Accelerations and forces are divided by √G_cc, so that G has a unit
@@ -40,20 +47,40 @@ pub(super) enum Choice {
     Slip(Direction),
 }
 
-/// Pivots until no condition is violated; `None` if that does not end.
-pub(super) fn solve(model: &Model<'_>, unknowns: &mut [Unknown]) -> Option<()> {
-    /// Changing the contact with the least number first always ends, but it can take 2ⁿ changes.
-    /// The usual number is below n; the largest seen is 299, for eleven contacts on six
-    /// coordinates.
-    const MOST_CHANGES: usize = 1 << 14;
+/// Why there is no solution.
+#[derive(Debug)]
+pub(super) enum Unsolved {
+    Endless,
+    TooMany(TooMany),
+}
+
+/// Changing the contact with the least number first always ends, but it can take 2ⁿ changes. The
+/// usual number is below n; the largest seen is 299, for eleven contacts on six coordinates.
+const MOST_CHANGES: usize = 1 << 14;
+
+/// Solves for forces and accelerations.
+pub(super) fn solve(
+    model: &Model<'_>,
+    series: &Series,
+    unknowns: &mut [Unknown],
+) -> Result<(), Unsolved> {
+    let contacts: Vec<usize> = unknowns.iter().map(|unknown| unknown.contact).collect();
+    match model.factor(&contacts) {
+        Ok(_) => pivot(model, unknowns),
+        Err(_) => walk(model, series, unknowns),
+    }
+}
+
+/// Pivots until no condition is violated.
+fn pivot(model: &Model<'_>, unknowns: &mut [Unknown]) -> Result<(), Unsolved> {
     let mut least_broken = usize::MAX;
     for _ in 0..MOST_CHANGES {
-        evaluate(model, unknowns);
+        evaluate(model, unknowns, &hold(model, unknowns).holding);
         let broken: Vec<usize> = (0..unknowns.len())
             .filter(|&i| unknowns[i].is_broken())
             .collect();
         if broken.is_empty() {
-            return Some(());
+            return Ok(());
         }
         // While the number of violations falls, all of them are changed together; otherwise only
         // the first.
@@ -67,27 +94,184 @@ pub(super) fn solve(model: &Model<'_>, unknowns: &mut [Unknown]) -> Option<()> {
             unknowns[i].change();
         }
     }
-    None
+    Err(Unsolved::Endless)
 }
 
-/// The contacts that stick, with their factor. Contacts with dependent directions get a small
-/// compliance: they share the force, and their forces exceed the limits by far if they cannot all
-/// stick.
-pub(super) fn hold(model: &Model<'_>, unknowns: &[Unknown]) -> Holding {
+/// Moves from face to face until no mechanism of the contacts at rest leaves them: from rest, or,
+/// if all at rest have too many mechanisms, from the accelerations without friction.
+fn walk(model: &Model<'_>, series: &Series, unknowns: &mut [Unknown]) -> Result<(), Unsolved> {
+    for unknown in unknowns.iter_mut() {
+        unknown.choice = Choice::Stick;
+    }
+    let parted = part_from_base(model, series, unknowns);
+    match walk_from(model, series, unknowns, (None, parted)) {
+        Err(Unsolved::TooMany(_)) => {}
+        found => return found,
+    }
+    for unknown in unknowns.iter_mut().filter(|unknown| unknown.free != 0.0) {
+        unknown.choice = Choice::Slip(side_of(unknown.free));
+    }
+    let free = unknowns.iter().map(|unknown| unknown.free).collect();
+    walk_from(model, series, unknowns, (Some(free), Vec::new()))
+}
+
+/// The same from given accelerations and choices, with contacts that cannot rest with the others.
+fn walk_from(
+    model: &Model<'_>,
+    series: &Series,
+    unknowns: &mut [Unknown],
+    (mut at, mut parted): (Option<Vec<f64>>, Vec<usize>),
+) -> Result<(), Unsolved> {
+    let mut has_left = vec![false; unknowns.len()];
+    for _ in 0..MOST_CHANGES {
+        let resting = hold(model, unknowns);
+        evaluate(model, unknowns, &resting.holding);
+        if let Some(at) = &mut at {
+            // The velocities of these pass through 0 in no time.
+            let turning = |i: &usize| {
+                let unknown = &unknowns[*i];
+                at[*i] == 0.0 && !unknown.sticks() && unknown.is_broken()
+            };
+            if let Some(i) = parted.iter().copied().find(turning) {
+                unknowns[i].choice = Choice::Slip(side_of(unknowns[i].acceleration));
+                continue;
+            }
+            let first = first_at_rest(at, unknowns, &has_left);
+            let way = first.map_or(1.0, |(_, way)| way);
+            for (at, unknown) in std::iter::zip(&mut *at, &*unknowns) {
+                *at += way * (unknown.acceleration - *at);
+            }
+            if let Some((i, _)) = first {
+                at[i] = 0.0;
+                let contact = unknowns[i].contact;
+                let own = disagreement(model, series, contact, &resting.holding);
+                unknowns[i].choice = own.map_or(Choice::Stick, |own| {
+                    parted.push(i);
+                    Choice::Slip(side_of(-own))
+                });
+                continue;
+            }
+        }
+        at = Some(
+            unknowns
+                .iter()
+                .map(|unknown| unknown.acceleration)
+                .collect(),
+        );
+        let leaving = first_to_leave(&resting, unknowns).map_err(Unsolved::TooMany)?;
+        if leaving.is_empty() {
+            return Ok(());
+        }
+        for (i, side) in leaving {
+            (unknowns[i].choice, has_left[i]) = (Choice::Slip(side), true);
+        }
+    }
+    Err(Unsolved::Endless)
+}
+
+/// Contacts on surfaces that do not move with the others cannot rest with them: they slip, in the
+/// direction of the first derivative of their velocity that is not 0. Returns their places.
+fn part_from_base(model: &Model<'_>, series: &Series, unknowns: &mut [Unknown]) -> Vec<usize> {
+    let resting = hold(model, unknowns);
+    let mut parted = Vec::new();
+    for (place, unknown) in unknowns.iter_mut().enumerate() {
+        let is_rider = resting
+            .groups
+            .iter()
+            .any(|g| g.riders().contains(&unknown.contact));
+        if is_rider
+            && let Some(own) = disagreement(model, series, unknown.contact, &resting.holding)
+        {
+            unknown.choice = Choice::Slip(side_of(-own));
+            parted.push(place);
+        }
+    }
+    parted
+}
+
+/// The slipping contact whose acceleration is the first to become 0 on the way to the solution of
+/// its face, and the part of the way up to there.
+fn first_at_rest(at: &[f64], unknowns: &[Unknown], has_left: &[bool]) -> Option<(usize, f64)> {
+    let ways = std::iter::zip(at, unknowns).enumerate();
+    let ways = ways.filter_map(|(i, (at, unknown))| {
+        let Choice::Slip(side) = unknown.choice else {
+            return None;
+        };
+        let [from, to] = [*at, unknown.acceleration].map(|a| side.sign() * a);
+        let comes_to_rest = unknown.is_broken() || (!has_left[i] && unknown.moves().is_none());
+        let way = from.max(0.0) / (from.max(0.0) - to.min(0.0));
+        comes_to_rest.then_some((i, if way <= 1.0 { way } else { 1.0 }))
+    });
+    ways.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The contacts of the mechanism that exceeds its bound most, with the directions in which they
+/// slip; none if no mechanism does.
+fn first_to_leave(
+    resting: &Resting,
+    unknowns: &[Unknown],
+) -> Result<Vec<(usize, Direction)>, TooMany> {
+    let place = |c: usize| unknowns.iter().position(|unknown| unknown.contact == c);
+    let mut first: (f64, Vec<(usize, Direction)>) = (0.0, Vec::new());
+    for (i, unknown) in unknowns.iter().enumerate() {
+        let is_single = unknown.sticks() && !resting.groups.iter().any(|g| g.has(unknown.contact));
+        if is_single && unknown.is_broken() {
+            let (side, excess) = unknown.excess();
+            if excess > first.0 {
+                first = (excess, vec![(i, side)]);
+            }
+        }
+    }
+    for mechanism in resting.mechanisms()? {
+        let parts = mechanism.parts.iter();
+        let parts = parts.filter_map(|&(c, part)| Some((place(c)?, part)));
+        let parts: Vec<(usize, f64)> = parts.collect();
+        let size: f64 = parts.iter().map(|(_, part)| part.abs()).sum();
+        for side in [Direction::Lagging, Direction::Leading] {
+            let (excess, rounding) = excess_of(unknowns, &parts, side);
+            if excess > rounding && excess / size > first.0 {
+                let slips = parts
+                    .iter()
+                    .map(|&(i, part)| (i, Mechanism::slips(part, side)));
+                first = (excess / size, slips.collect());
+            }
+        }
+    }
+    Ok(first.1)
+}
+
+/// Excess of Σ λ_c s_c over its bound Σ B_c |s_c|, and its rounding error, for a mechanism that
+/// moves to a side, given by its parts of the unknowns.
+pub(super) fn excess_of(
+    unknowns: &[Unknown],
+    parts: &[(usize, f64)],
+    side: Direction,
+) -> (f64, f64) {
+    let parts = parts.iter();
+    parts.fold((0.0, 0.0), |(excess, rounding), &(i, part)| {
+        let unknown = &unknowns[i];
+        let most = part.abs() * unknown.most(Mechanism::slips(part, side));
+        let of_most = EDGE_ROUNDING * f64::EPSILON * most.abs();
+        (
+            excess + side.sign() * part * unknown.force - most,
+            rounding + part.abs() * unknown.rounding + of_most,
+        )
+    })
+}
+
+/// The contacts that stick.
+pub(super) fn hold(model: &Model<'_>, unknowns: &[Unknown]) -> Resting {
     let sticking = unknowns.iter().filter(|unknown| unknown.sticks());
-    let contacts: Vec<usize> = sticking.map(|unknown| unknown.contact).collect();
-    let factor = model.factor(&contacts);
-    let factor = factor.unwrap_or_else(|_| model.soft_factor(&contacts));
-    Holding { contacts, factor }
+    model.resting(sticking.map(|unknown| unknown.contact).collect())
 }
 
-/// Forces and accelerations of the choices.
-fn evaluate(model: &Model<'_>, unknowns: &mut [Unknown]) {
-    let Holding { contacts, factor } = hold(model, unknowns);
+/// Forces and accelerations of the choices; riders of those that stick carry nothing.
+pub(super) fn evaluate(model: &Model<'_>, unknowns: &mut [Unknown], holding: &Holding) {
+    let Holding { contacts, factor } = holding;
     let mut places = vec![None; model.contacts.len()];
     for (i, unknown) in unknowns.iter_mut().enumerate() {
         places[unknown.contact] = Some(i);
-        unknown.rounding = 0.0;
+        (unknown.rounding, unknown.acceleration) = (0.0, 0.0);
         unknown.force = match unknown.choice {
             Choice::Stick => 0.0,
             Choice::Slip(side) => side.sign() * unknown.most(side),
@@ -102,7 +286,6 @@ fn evaluate(model: &Model<'_>, unknowns: &mut [Unknown]) {
     for ((i, force), rounding) in sticking().zip(forces).zip(rounding) {
         let unknown = &mut unknowns[i];
         (unknown.force, unknown.rounding) = (force, rounding);
-        unknown.acceleration = 0.0;
     }
     let pulls = accelerations(model, unknowns, &places);
     for (unknown, (pull, rounding)) in std::iter::zip(unknowns, pulls) {

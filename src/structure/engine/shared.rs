@@ -73,16 +73,18 @@ pub(super) fn shared_order(
 /// Returns true if a contact is on an edge or on a breakpoint of its law, or slip begins without an
 /// acceleration: the sign of the first nonzero coefficient then decides.
 pub(super) fn is_delicate(model: &Model<'_>, situation: &Situation) -> bool {
-    model.shared.iter().any(|&c| {
-        let state = &situation.contacts[c];
-        match state.phase {
-            Phase::Open => false,
-            Phase::Stick { .. } => state.edge != Edge::Away,
-            Phase::Slip { speed, rate, .. } => {
-                rate == Some(0.0) || model.contacts[c].breakpoints.contains(&speed)
+    let mut mechanisms = situation.mechanisms.iter();
+    mechanisms.any(|mechanism| mechanism.edge != Edge::Away)
+        || model.shared.iter().any(|&c| {
+            let state = &situation.contacts[c];
+            match state.phase {
+                Phase::Open => false,
+                Phase::Stick { .. } => state.edge != Edge::Away,
+                Phase::Slip { speed, rate, .. } => {
+                    rate == Some(0.0) || model.contacts[c].breakpoints.contains(&speed)
+                }
             }
-        }
-    })
+        })
 }
 
 /// Notes the bound of rounding of order k of the accelerations, and sets forces of contacts on an
@@ -113,7 +115,8 @@ fn note_rounding(model: &Model<'_>, situation: &Situation, series: &mut Series, 
     let mut of_forces: Vec<f64> = contacts.iter().map(size).collect();
     factor.magnify(&mut of_forces);
     for (place, (&c, size)) in std::iter::zip(contacts, of_forces).enumerate() {
-        if situation.contacts[c].edge != Edge::Away {
+        let state = &situation.contacts[c];
+        if state.edge != Edge::Away || state.is_in_group {
             series.held[place] = unless_rounding(series.held[place], size);
             series.contacts[c].carried_rounding[k] = ROUNDING * size * root(c);
         }

@@ -13,16 +13,17 @@
 //! r ≠ 0, in proportion to a power of the time; of those whose kinetic limit is smaller, the
 //! fastest yields. Contacts without r stick, and remain on their edge if all orders are 0.
 
-use super::edge::{Edge, deciding_distance, side_of};
+use super::edge::{EDGE_ROUNDING, Edge, deciding_distance, side_of};
 use super::expand::free_accelerations;
 use super::factor::Holding;
+use super::mechanisms::{MOST_SUBSETS, Mechanism, Resting, TooMany};
 use super::model::Model;
-use super::programme::{Choice, Unknown, hold, solve};
+use super::programme::{Choice, Unknown, Unsolved, evaluate, excess_of, hold, solve};
 use super::series::Series;
 use super::sizes::{contact_terms, load_terms};
 use super::state::{ContactState, Entry, Phase, Situation};
 use crate::error::Error;
-use crate::series::TERMS;
+use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 
 /// A decision under way.
@@ -37,6 +38,8 @@ pub(super) struct Decision {
     is_stale: bool,
     /// True if the programme is solved.
     is_solved: bool,
+    /// True if the directions of the candidates are dependent.
+    is_dependent: bool,
 }
 
 /// A contact with r = 0, in the units of its [`Unknown`].
@@ -61,19 +64,21 @@ impl Decision {
             let state = &situation.contacts[c];
             state.sticks() && state.edge != Edge::Away
         };
-        if model.shared.iter().any(at_edge) {
+        let mut mechanisms = situation.mechanisms.iter();
+        if model.shared.iter().any(at_edge) || mechanisms.any(|m| m.edge != Edge::Away) {
             free_accelerations(model, situation, series);
             let Holding { contacts, factor } = &situation.holding;
             let root = |c: usize| model.contacts[c].compliance.sqrt();
             let pulls = contacts.iter().map(|&c| series.contacts[c].free / root(c));
             let mut forces: Vec<f64> = pulls.collect();
             factor.solve(&mut forces);
-            for (&c, force) in std::iter::zip(contacts, forces) {
+            for (&c, force) in std::iter::zip(contacts, &forces) {
                 if let Edge::On(Some(side), 1) = situation.contacts[c].edge {
                     let bound = side.sign() * series.contacts[c].bound[0] / root(c);
                     beyond.push((c, force - bound));
                 }
             }
+            beyond.extend(beyond_mechanisms(model, situation, series, forces));
         }
         Self {
             candidates: Vec::new(),
@@ -81,6 +86,7 @@ impl Decision {
             beyond,
             is_stale: false,
             is_solved: false,
+            is_dependent: false,
         }
     }
 
@@ -106,9 +112,8 @@ impl Decision {
         self.gather(model, situation, series);
         let mut are_on_edges = false;
         while !self.is_solved {
-            if solve(model, &mut self.unknowns).is_none() {
-                return Err(situation.undecided(model, series));
-            }
+            let solved = solve(model, series, &mut self.unknowns);
+            solved.map_err(|reason| unsolved(reason, model, situation, series))?;
             let moving = self.unknowns.iter().enumerate();
             let slipping = moving.filter_map(|(place, unknown)| {
                 Some(Slipping {
@@ -126,14 +131,7 @@ impl Decision {
             self.is_solved = are_on_edges || !changed;
             are_on_edges = true;
         }
-        if let Some(contacts) = self.undetermined(model) {
-            return Err(Error::Undetermined {
-                contacts,
-                reached: situation.reached(model, series),
-            });
-        }
-        self.set(model, situation);
-        Ok(())
+        self.set(model, situation, series)
     }
 
     /// The candidates: shared contacts that stick until something else is decided.
@@ -196,6 +194,8 @@ impl Decision {
             self.unknowns
                 .push(Unknown::new(c, [free, terms / root], [limit; 2]));
         }
+        let contacts: Vec<usize> = self.unknowns.iter().map(|u| u.contact).collect();
+        self.is_dependent = model.factor(&contacts).is_err();
         // The rounding excess beyond an edge is subtracted from the forces that drive the contacts.
         for unknown in &mut self.unknowns {
             let c = unknown.contact;
@@ -249,38 +249,43 @@ impl Decision {
         changed
     }
 
-    /// The contacts with dependent directions that are at rest at the same time, if any: the force
-    /// in each of them is not determined.
-    fn undetermined(&self, model: &Model<'_>) -> Option<Vec<usize>> {
-        let resting = self
-            .unknowns
-            .iter()
-            .filter(|unknown| unknown.moves().is_none());
-        let contacts: Vec<usize> = resting.map(|unknown| unknown.contact).collect();
-        model.factor(&contacts).is_err().then_some(contacts)
-    }
-
     /// Sets the modes that were chosen.
-    fn set(&mut self, model: &Model<'_>, situation: &mut Situation) {
-        situation.holding = hold(model, &self.resting());
-        let elastic = model
-            .springs
-            .iter()
-            .filter(|&&c| model.contacts[c].is_elastic());
-        let parts = |&c: &usize| Some((c, model.dependence(c, &situation.holding)?));
-        situation.guided = elastic.filter_map(parts).collect();
-        for (candidate, unknown) in std::iter::zip(&self.candidates, &self.unknowns) {
+    fn set(
+        &mut self,
+        model: &Model<'_>,
+        situation: &mut Situation,
+        series: &mut Series,
+    ) -> Result<(), Error> {
+        let resting = hold(model, &self.remaining());
+        let unknowns = self.at_start(model, &resting);
+        let mechanisms = resting.mechanisms();
+        let too_many = |reason| unsolved(Unsolved::TooMany(reason), model, situation, series);
+        situation.mechanisms = mechanisms.map_err(too_many)?;
+        for mechanism in &mut situation.mechanisms {
+            mechanism.edge = self.edge_of(mechanism, &unknowns);
+        }
+        for (candidate, unknown) in std::iter::zip(&self.candidates, &unknowns) {
             let contact = &model.contacts[unknown.contact];
             let mut state = candidate.resting.clone();
             let slip = match (unknown.choice, candidate.leaves) {
+                (_, Some(side)) => Some((side, 0.0)),
                 (Choice::Slip(side), _) => {
                     let rate = unknown.moves().map_or(0.0, |_| unknown.acceleration);
                     Some((side, side.sign() * rate * contact.compliance.sqrt()))
                 }
-                (Choice::Stick, leaves) => leaves.map(|side| (side, 0.0)),
+                (Choice::Stick, None) => None,
             };
+            state.is_in_group = false;
             match slip {
-                None => state.edge = candidate.edge(unknown),
+                None => {
+                    state.is_in_group = resting.groups.iter().any(|g| g.has(unknown.contact));
+                    state.edge = if state.is_in_group {
+                        Edge::Away
+                    } else {
+                        candidate.edge(unknown)
+                    };
+                    series.contacts[unknown.contact].carried = PowerSeries::ZERO;
+                }
                 Some((side, rate)) => {
                     state.begin_slip(contact.law, side, Some(rate));
                     state.entry = Entry::Held;
@@ -288,14 +293,67 @@ impl Decision {
             }
             situation.contacts[unknown.contact] = state;
         }
+        situation.holding = resting.holding;
+        let elastic = model
+            .springs
+            .iter()
+            .filter(|&&c| model.contacts[c].is_elastic());
+        let parts = |&c: &usize| Some((c, model.dependence(c, &situation.holding)?));
+        situation.guided = elastic.filter_map(parts).collect();
+        Ok(())
+    }
+
+    /// The solution of the programme; if contacts with dependent directions leave their edges, the
+    /// forces of those that remain are found from another base.
+    fn at_start(&self, model: &Model<'_>, resting: &Resting) -> Vec<Unknown> {
+        let mut unknowns = self.unknowns.clone();
+        let leaves = |candidate: &Candidate| candidate.leaves.is_some();
+        if self.is_dependent && self.candidates.iter().any(leaves) {
+            for (candidate, unknown) in std::iter::zip(&self.candidates, &mut unknowns) {
+                if let Some(side) = candidate.leaves {
+                    unknown.choice = Choice::Slip(side);
+                }
+            }
+            evaluate(model, &mut unknowns, &resting.holding);
+        }
+        unknowns
     }
 
     /// The contacts that stick, and do not leave their edges.
-    fn resting(&self) -> Vec<Unknown> {
+    fn remaining(&self) -> Vec<Unknown> {
         let all = std::iter::zip(&self.candidates, &self.unknowns);
-        let resting =
+        let remaining =
             all.filter(|(candidate, unknown)| unknown.sticks() && candidate.leaves.is_none());
-        resting.map(|(_, unknown)| unknown.clone()).collect()
+        remaining.map(|(_, unknown)| unknown.clone()).collect()
+    }
+
+    /// The place of a contact among the candidates.
+    fn place(&self, contact: usize) -> Option<usize> {
+        let mut unknowns = self.unknowns.iter();
+        unknowns.position(|unknown| unknown.contact == contact)
+    }
+
+    /// The parts of a mechanism by the places of its contacts.
+    fn parts_of(&self, mechanism: &Mechanism) -> Vec<(usize, f64)> {
+        let parts = mechanism.parts.iter();
+        let parts = parts.filter_map(|&(c, part)| Some((self.place(c)?, part)));
+        parts.collect()
+    }
+
+    /// The bound at which a mechanism is.
+    fn edge_of(&self, mechanism: &Mechanism, unknowns: &[Unknown]) -> Edge {
+        let parts = self.parts_of(mechanism);
+        let is_at = |&side: &Direction| {
+            let (excess, rounding) = excess_of(unknowns, &parts, side);
+            excess >= -rounding
+        };
+        let sides = [Direction::Lagging, Direction::Leading];
+        match sides.into_iter().filter(is_at).collect::<Vec<_>>()[..] {
+            [] => Edge::Away,
+            [side] => Edge::reached(Some(side)),
+            // No bound yet, for all loads begin.
+            _ => Edge::reached(None),
+        }
     }
 
     /// After an expansion: contacts whose law never sticks that continue in the other direction.
@@ -324,34 +382,14 @@ impl Decision {
         situation: &mut Situation,
         series: &Series,
     ) -> Result<bool, Error> {
-        let mut on_edge = Vec::new();
-        for (place, unknown) in self.unknowns.iter().enumerate() {
-            let state = &situation.contacts[unknown.contact];
-            let Edge::On(at, _) = state.edge else {
-                continue;
-            };
-            if !state.sticks() {
-                continue;
-            }
-            let first = side_of(unknown.force);
-            for side in [first, first.opposite()] {
-                if at.is_none_or(|at| at == side) {
-                    let distance = deciding_distance(&series.contacts[unknown.contact], side);
-                    on_edge.push(OnEdge {
-                        place,
-                        side,
-                        distance,
-                    });
-                }
-            }
-        }
+        let on_edge = self.on_edges(model, situation, series);
         for order in 1..TERMS {
             let leaves = |on: &OnEdge| on.distance.is_some_and(|(at, d)| at == order && d < 0.0);
             if !on_edge.iter().any(leaves) {
                 continue;
             }
-            let slipping = self.rates(model, order, &on_edge);
-            let slipping = slipping.ok_or_else(|| situation.undecided(model, series))?;
+            let slipping = self.rates(model, series, order, &on_edge);
+            let slipping = slipping.map_err(|reason| unsolved(reason, model, situation, series))?;
             if slipping.is_empty() {
                 continue;
             }
@@ -369,10 +407,13 @@ impl Decision {
             return Ok(true);
         }
         for on in on_edge {
-            let state = &mut situation.contacts[self.unknowns[on.place].contact];
-            if let Edge::On(Some(side), _) = state.edge {
+            let edge = match on.of {
+                Of::Contact(c) => &mut situation.contacts[c].edge,
+                Of::Mechanism(number) => &mut situation.mechanisms[number].edge,
+            };
+            if let Edge::On(Some(side), _) = *edge {
                 let along = Edge::Along(side);
-                state.edge = on
+                *edge = on
                     .distance
                     .map_or(along, |(order, _)| Edge::On(Some(side), order));
             }
@@ -380,49 +421,168 @@ impl Decision {
         Ok(false)
     }
 
-    /// The contacts on an edge that slip, by the programme for the coefficients of an order: the
-    /// changes of the forces and the accelerations from those of stick. `None` without a decision.
-    fn rates(&self, model: &Model<'_>, order: usize, on_edge: &[OnEdge]) -> Option<Vec<Slipping>> {
-        let mut unknowns = self.resting();
-        let size = |on: &OnEdge| on.distance.map_or(0.0, |(_, d)| d.abs());
-        for unknown in &mut unknowns {
-            let root = model.contacts[unknown.contact].compliance.sqrt();
-            (unknown.free, unknown.terms, unknown.most) = (0.0, 0.0, [f64::INFINITY; 2]);
-            for on in on_edge {
-                if self.unknowns[on.place].contact != unknown.contact {
-                    continue;
-                }
-                let most = &mut unknown.most[usize::from(on.side == Direction::Leading)];
-                match on.distance {
-                    Some((at, _)) if at < order => {}
-                    Some((at, d)) if at == order => {
-                        *most = d / root;
-                        unknown.terms = unknown.terms.max(size(on) / root);
-                    }
-                    _ => *most = 0.0,
+    /// All contacts and mechanisms on their edges.
+    fn on_edges(&self, model: &Model<'_>, situation: &Situation, series: &Series) -> Vec<OnEdge> {
+        let mut on_edge = Vec::new();
+        for (place, unknown) in self.unknowns.iter().enumerate() {
+            let state = &situation.contacts[unknown.contact];
+            let (Edge::On(at, _), true) = (state.edge, state.sticks()) else {
+                continue;
+            };
+            let first = side_of(unknown.force);
+            for side in [first, first.opposite()] {
+                if at.is_none_or(|at| at == side) {
+                    on_edge.push(OnEdge {
+                        of: Of::Contact(unknown.contact),
+                        parts: vec![(place, 1.0)],
+                        side,
+                        distance: deciding_distance(&series.contacts[unknown.contact], side),
+                    });
                 }
             }
         }
-        solve(model, &mut unknowns)?;
-        let place = |contact: usize| self.unknowns.iter().position(|u| u.contact == contact);
+        for (number, mechanism) in situation.mechanisms.iter().enumerate() {
+            let Edge::On(at, _) = mechanism.edge else {
+                continue;
+            };
+            for side in [Direction::Lagging, Direction::Leading] {
+                if at.is_none_or(|at| at == side) {
+                    on_edge.push(OnEdge {
+                        of: Of::Mechanism(number),
+                        parts: self.parts_of(mechanism),
+                        side,
+                        distance: mechanism.deciding_distance(model, series, side),
+                    });
+                }
+            }
+        }
+        on_edge
+    }
+
+    /// The contacts on an edge that slip, by the programme for the coefficients of an order: the
+    /// changes of the forces and the accelerations from those of stick.
+    fn rates(
+        &self,
+        model: &Model<'_>,
+        series: &Series,
+        order: usize,
+        on_edge: &[OnEdge],
+    ) -> Result<Vec<Slipping>, Unsolved> {
+        let mut unknowns = self.remaining();
+        for unknown in &mut unknowns {
+            (unknown.free, unknown.terms, unknown.most) = (0.0, 0.0, [f64::INFINITY; 2]);
+        }
+        for on in on_edge {
+            let (at, coefficient) = on.distance.unwrap_or((TERMS, 0.0));
+            if at < order {
+                continue;
+            }
+            for &(place, part) in &on.parts {
+                let contact = self.unknowns[place].contact;
+                let Some(unknown) = unknowns.iter_mut().find(|u| u.contact == contact) else {
+                    continue;
+                };
+                let side = Mechanism::slips(part, on.side);
+                let (of, root) = (&series.contacts[contact], root_of(model, contact));
+                let (most, size) = match on.of {
+                    Of::Contact(_) if at == order => (coefficient, coefficient.abs()),
+                    Of::Contact(_) => (0.0, 0.0),
+                    Of::Mechanism(_) => {
+                        let most = of.bound[order] - side.sign() * of.carried[order];
+                        (most, of.rounding(order) / (EDGE_ROUNDING * f64::EPSILON))
+                    }
+                };
+                unknown.most[usize::from(side == Direction::Leading)] = most / root;
+                unknown.terms = unknown.terms.max(size / root);
+            }
+        }
+        solve(model, series, &mut unknowns)?;
         let slipping = unknowns.iter().filter_map(|unknown| {
             Some(Slipping {
-                place: place(unknown.contact)?,
+                place: self.place(unknown.contact)?,
                 side: unknown.moves()?,
                 acceleration: unknown.acceleration,
             })
         });
-        Some(slipping.collect())
+        Ok(slipping.collect())
     }
 }
 
-/// A contact on an edge of its band.
+fn root_of(model: &Model<'_>, contact: usize) -> f64 {
+    model.contacts[contact].compliance.sqrt()
+}
+
+/// The forces by which mechanisms that have reached their bounds exceed them, on the contacts that
+/// hold: see [`Decision::new`].
+fn beyond_mechanisms(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    mut forces: Vec<f64>,
+) -> Vec<(usize, f64)> {
+    /// Each of several mechanisms changes the others.
+    const SWEEPS: usize = 20;
+    let contacts = &situation.holding.contacts;
+    let place = |c: usize| contacts.iter().position(|&other| other == c);
+    let mut beyond = vec![0.0; contacts.len()];
+    let reached = |mechanism: &&Mechanism| matches!(mechanism.edge, Edge::On(Some(_), 1));
+    let reached: Vec<&Mechanism> = situation.mechanisms.iter().filter(reached).collect();
+    let sweeps = if reached.len() > 1 { SWEEPS } else { 1 };
+    for _ in 0..sweeps {
+        for mechanism in &reached {
+            let Edge::On(Some(side), _) = mechanism.edge else {
+                continue;
+            };
+            let parts = mechanism.parts.iter();
+            let held = parts
+                .clone()
+                .filter_map(|&(c, part)| Some((place(c)?, part)));
+            let held: Vec<(usize, f64)> = held.collect();
+            let bound: f64 = parts
+                .map(|&(c, part)| part.abs() * series.contacts[c].bound[0] / root_of(model, c))
+                .sum();
+            let power: f64 = held.iter().map(|&(i, part)| part * forces[i]).sum();
+            let size: f64 = held.iter().map(|(_, part)| part * part).sum();
+            for (i, part) in held {
+                let change = (power - side.sign() * bound) * part / size;
+                forces[i] -= change;
+                beyond[i] += change;
+            }
+        }
+    }
+    std::iter::zip(contacts.iter().copied(), beyond)
+        .filter(|(_, beyond)| *beyond != 0.0)
+        .collect()
+}
+
+/// The error if a programme has no solution.
+fn unsolved(reason: Unsolved, model: &Model<'_>, situation: &Situation, series: &Series) -> Error {
+    match reason {
+        Unsolved::Endless => situation.undecided(model, series),
+        Unsolved::TooMany(TooMany { contacts, subsets }) => Error::TooManyMechanisms {
+            contacts,
+            subsets,
+            most: MOST_SUBSETS,
+            reached: situation.reached(model, series),
+        },
+    }
+}
+
+/// A contact or a mechanism on an edge.
 struct OnEdge {
-    place: usize,
+    of: Of,
+    /// Its contacts, by their places, and the parts with which they slip.
+    parts: Vec<(usize, f64)>,
     side: Direction,
     /// Order and value of the coefficient of its distance from there that decides; `None` if all
     /// are 0.
     distance: Option<(usize, f64)>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Of {
+    Contact(usize),
+    Mechanism(usize),
 }
 
 /// A contact that slips in the solution of a programme.

@@ -3,6 +3,7 @@
 use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::{Holding, Pivot};
+use super::mechanisms::Mechanism;
 use super::model::Model;
 use super::passages::ElementState;
 use super::series::Series;
@@ -24,6 +25,8 @@ pub(super) struct Situation {
     pub(super) elements: Vec<ElementState>,
     /// The shared contacts that stick, in the order of [`Model::shared`], and what holds them.
     pub(super) holding: Holding,
+    /// The mechanisms of those that stick without a force of their own.
+    pub(super) mechanisms: Vec<Mechanism>,
     /// The elastic contacts whose directions depend on these, each with its parts α in
     /// b = Σ α_c b_c: their relative velocities are those of the surfaces.
     pub(super) guided: Vec<(usize, Vec<(usize, f64)>)>,
@@ -64,6 +67,9 @@ pub(super) struct ContactState {
     pub(super) arrival_memory: Vec<f64>,
     /// μ_s at the start of the step; `None` for a law that never sticks.
     pub(super) limit: Option<f64>,
+    /// True if it sticks in a group of contacts with dependent directions: mechanisms decide when
+    /// it slips, not its own force.
+    pub(super) is_in_group: bool,
     /// True if the force of an elastic contact exceeded its limit after a jump of the load.
     pub(super) was_cut: bool,
 }
@@ -140,6 +146,7 @@ impl Situation {
                 load_edge: Edge::Away,
                 entry: Entry::Held,
                 limit: contact.law.limit(&|j| memory[j]),
+                is_in_group: false,
                 was_cut: false,
                 arrival_memory: memory.clone(),
                 memory,
@@ -155,6 +162,7 @@ impl Situation {
             contacts: contacts.collect(),
             elements: elements.collect(),
             holding: Holding::default(),
+            mechanisms: Vec::new(),
             guided: Vec::new(),
             closed: None,
         }

@@ -61,6 +61,18 @@ pub(super) fn land(
             }
         }
     }
+    for (mechanism, firing) in std::iter::zip(&mut situation.mechanisms, &firings.mechanisms) {
+        mechanism.edge = match firing {
+            None if h == 0.0 && !at_break => mechanism.edge,
+            _ if at_break => Edge::Away,
+            Some((_, Firing::Bound(side))) => Edge::reached(Some(*side)),
+            _ if mechanism.stays_along(model, series, h) => mechanism.edge,
+            _ => Edge::Away,
+        };
+        if firing.is_some() && disturbance == Disturbance::None {
+            disturbance = Disturbance::Event;
+        }
+    }
     expand_drives(model, situation, series);
     land_springs(model, situation, series, settled.at_break);
     if !model.shared.is_empty() {

@@ -1,0 +1,358 @@
+//! Contacts with linearly dependent directions that are at rest together: brakes and clutches in a
+//! ring, parallel pads.
+
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Direction, Drive, EventKind, Mode, Structure, Trajectory};
+
+use crate::common::{Random, count, forces, list, text};
+use crate::reading::{cases, numbers, structure};
+
+fn even(coefficient: f64) -> Coulomb {
+    Coulomb::new(coefficient, coefficient).unwrap()
+}
+
+fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
+    let events = motion.events().iter();
+    events.map(|event| (event.contact, event.kind)).collect()
+}
+
+/// Two shafts, a brake on each and a clutch between them, with a torque that grows by 1 in a unit
+/// of time on shaft 0.
+fn ring(limits: [f64; 3], change: impl Fn(Contact) -> Contact) -> Structure {
+    let [first, second, clutch] = limits;
+    let contacts = [
+        Contact::new(0, even(1.0), first).unwrap(),
+        Contact::new(1, even(1.0), second).unwrap(),
+        Contact::between(0, 1, even(1.0), clutch).unwrap(),
+    ];
+    let torque = Drive::profile(&[(0.0, 0.0), (20.0, 20.0)]).unwrap();
+    Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_force(0, torque)?.with_contacts(contacts.map(change)))
+        .unwrap()
+}
+
+/// A ring slips where the least sum of limits around shaft 0 is reached, at min(B_0 + B_c, B_0 +
+/// B_1), by the contacts of that sum.
+#[test]
+fn a_ring_slips_at_the_least_sum_of_limits() {
+    let forward = EventKind::Release(Direction::Leading);
+    for (limits, time, contacts) in [
+        ([3.0, 5.0, 4.0], 7.0, [0, 2]),
+        ([3.0, 4.0, 5.0], 7.0, [0, 1]),
+        ([1.0, 0.5, 9.0], 1.5, [0, 1]),
+    ] {
+        let ring = ring(limits, |contact| contact);
+        let motion = ring.simulate(State::at_rest(2), 9.0).unwrap();
+        let first: Vec<_> = keys(&motion).into_iter().take(2).collect();
+        assert_eq!(first, contacts.map(|c| (c, forward)));
+        assert_abs_diff_eq!(motion.events()[0].time, time, epsilon = 2e-15);
+    }
+    // From 7 on shaft 0 accelerates by t − 7.
+    let ring = ring([3.0, 5.0, 4.0], |contact| contact);
+    let motion = ring.simulate(State::at_rest(2), 9.0).unwrap();
+    assert_abs_diff_eq!(motion.last().velocities[0], 2.0, epsilon = 1e-14);
+    assert_eq!(motion.last().velocities[1], 0.0);
+    // What each may carry at a torque of 6: brake 0 and the clutch share it, and the other brake
+    // holds the clutch.
+    let carried = ring.carried(6.0, &State::at_rest(2)).unwrap();
+    for (carried, [least, most]) in carried.iter().zip([[2.0, 3.0], [3.0, 4.0], [3.0, 4.0]]) {
+        assert!(!carried.is_determined());
+        assert_abs_diff_eq!(carried.least, least, epsilon = 1e-14);
+        assert_abs_diff_eq!(carried.most, most, epsilon = 1e-14);
+        assert!(carried.least <= carried.force && carried.force <= carried.most);
+    }
+    assert_abs_diff_eq!(carried[0].force + carried[2].force, 6.0, epsilon = 1e-14);
+    assert_abs_diff_eq!(carried[1].force, carried[2].force, epsilon = 1e-14);
+    // At its limit all of them are determined.
+    let carried = ring.carried(7.0, &State::at_rest(2)).unwrap();
+    assert!(carried.iter().all(|carried| carried.is_determined()));
+    assert_eq!(forces(&carried), [3.0, 4.0, 4.0]);
+}
+
+/// Elastic contacts carry determined forces; the stiffer they are, the closer are the motions.
+#[test]
+fn stiff_elastic_contacts_move_as_rigid_ones() {
+    let rigid = ring([3.0, 5.0, 4.0], |contact| contact);
+    let rigid = rigid.simulate(State::at_rest(2), 9.0).unwrap().last();
+    for (stiffness, apart) in [(1e3, 4e-3), (1e4, 4e-4), (1e5, 4e-5)] {
+        let spring = |contact: Contact| contact.with_tangential_stiffness(stiffness).unwrap();
+        let elastic = ring([3.0, 5.0, 4.0], spring);
+        let elastic = elastic.simulate(State::at_rest(2), 9.0).unwrap().last();
+        assert_abs_diff_eq!(elastic.velocities[0], rigid.velocities[0], epsilon = apart);
+        assert_abs_diff_eq!(elastic.velocities[1], rigid.velocities[1], epsilon = apart);
+    }
+}
+
+/// The motions of the reference file with dependent contacts, with each contact replaced by two
+/// parallel ones, and with the contacts in another order.
+#[test]
+fn parts_of_a_contact_move_as_the_whole() {
+    let all = cases(include_str!("../data/limits_trajectories.json"));
+    let of = |name: &str| all.iter().find(|case| text(&case["family"]) == name);
+    for name in [
+        "ring_brakes_clutch",
+        "planetary_at_rest",
+        "ring_static_above",
+    ] {
+        let case = of(name).unwrap();
+        let whole = structure(&case["system"], f64::NAN);
+        let n = whole.len();
+        let start = State::new(&numbers(&case["start"]["q"]), &numbers(&case["start"]["v"]));
+        let end = 12.0;
+        let motion = whole.simulate(start.clone(), end).unwrap();
+        let loads: Vec<Drive> = whole.contacts().iter().map(|c| c.load().clone()).collect();
+        let part = |c: usize, part: f64| {
+            let given = &list(&case["system"]["contacts"])[c];
+            let direction: Vec<_> = numbers(&given["direction"])
+                .into_iter()
+                .enumerate()
+                .collect();
+            let law = crate::reading::law(given, f64::NAN);
+            let load = scaled(&given["N0"], part).unwrap_or_else(|| loads[c].clone());
+            Contact::along(&direction, law, load).unwrap()
+        };
+        let bare = |contacts: Vec<Contact>| {
+            let mut bare = Structure::with_mass_matrix(whole.mass_matrix().into_owned())
+                .and_then(|s| s.with_stiffness(whole.stiffness().clone()))
+                .and_then(|s| s.with_damping(whole.damping().clone()))
+                .and_then(|s| s.with_contacts(contacts))
+                .unwrap();
+            for (i, force) in whole.forces().iter().enumerate() {
+                bare = bare.with_force(i, force.clone()).unwrap();
+            }
+            bare
+        };
+        let thirds = [1.0 / 3.0, 2.0 / 3.0];
+        let in_two = (0..3).flat_map(|c| thirds.map(|x| part(c, x)));
+        let in_order = [2, 0, 1].map(|c| part(c, 1.0));
+        for other in [bare(in_two.collect()), bare(in_order.to_vec())] {
+            let found = other.simulate(start.clone(), end).unwrap();
+            let times = |motion: &Trajectory<State>| {
+                let mut times: Vec<f64> = motion.events().iter().map(|e| e.time).collect();
+                times.dedup();
+                times
+            };
+            let (expected, found_times) = (times(&motion), times(&found));
+            assert_eq!(expected.len(), found_times.len(), "{name}");
+            for (a, b) in expected.iter().zip(found_times) {
+                assert_abs_diff_eq!(*a, b, epsilon = 1e-12);
+            }
+            for i in 0..n {
+                let [a, b] = [&motion, &found].map(|m| m.last().velocities[i]);
+                assert_abs_diff_eq!(a, b, epsilon = 1e-12);
+            }
+        }
+    }
+}
+
+/// A load of the reference file, multiplied by a part.
+fn scaled(load: &serde_json::Value, part: f64) -> Option<Drive> {
+    if load.is_string() {
+        return Some((part * crate::common::number(load)).into());
+    }
+    let (times, values) = (numbers(&load["t"]), numbers(&load["values"]));
+    let mut points = vec![(times[0], part * values[0])];
+    for k in 1..times.len() {
+        points.extend([
+            (times[k], part * values[k - 1]),
+            (times[k], part * values[k]),
+        ]);
+    }
+    Drive::profile(&points).ok()
+}
+
+/// Energy and momentum along the motions of the reference file: no contact at rest makes heat.
+#[test]
+fn energies_balance() {
+    let all = cases(include_str!("../data/limits_trajectories.json"));
+    let dependent = all.iter().filter(|case| case["gap"].as_u64() == Some(1));
+    for case in dependent {
+        let system = structure(&case["system"], f64::NAN);
+        let start = State::new(&numbers(&case["start"]["q"]), &numbers(&case["start"]["v"]));
+        let end = crate::common::number(&case["t_end"]);
+        let motion = system.simulate(start, end).unwrap();
+        let budget = system.energy_budget(&motion).unwrap();
+        let size = budget.friction_loss.iter().sum::<f64>() + budget.damper_loss;
+        assert!(
+            budget.defect().abs() < 1e-13 * size,
+            "{} {budget:?}",
+            case["id"]
+        );
+        // Forces of samples balance the accelerations, and are within their limits.
+        for sample in system.samples(&motion, 0.37).unwrap() {
+            let (q, v) = (&sample.state.displacements, &sample.state.velocities);
+            let [q, v, a] = [q, v, &sample.accelerations].map(|x| DVector::from_column_slice(x));
+            let given = system.forces().iter().map(|force| force.value(sample.time));
+            let mut rest = DVector::from_iterator(system.len(), given);
+            rest -= system.mass_matrix().as_ref() * a;
+            rest -= system.stiffness() * q + system.damping() * v;
+            for (c, contact) in system.contacts().iter().enumerate() {
+                for &(j, b) in contact.direction() {
+                    rest[j] -= b * sample.friction[c];
+                }
+                let given = &list(&case["system"]["contacts"])[c]["law_params"]["mus"];
+                let most = sample.loads[c] * crate::common::number(given);
+                assert!(
+                    sample.friction[c].abs() <= most * (1.0 + 1e-13),
+                    "{}",
+                    case["id"]
+                );
+            }
+            assert!(rest.amax() < 1e-13 * 40.0, "{} {rest}", case["id"]);
+        }
+    }
+}
+
+/// Random contacts at rest with dependent directions: accelerations are those of the programme, by
+/// sweeps over single forces.
+struct Drawn {
+    structure: Structure,
+    rows: DMatrix<f64>,
+    inverse: DMatrix<f64>,
+    force: DVector<f64>,
+    limits: Vec<f64>,
+}
+
+impl Drawn {
+    fn new(random: &mut Random) -> Self {
+        let n = 1 + (random.bits() % 4) as usize;
+        let k = n + 1 + (random.bits() % 3) as usize;
+        let part = DMatrix::from_fn(n, n, |_, _| random.uniform(-0.7, 0.7));
+        let diagonal = DVector::from_fn(n, |_, _| random.uniform(0.5, 2.0));
+        let mass = DMatrix::from_diagonal(&diagonal) + &part * part.transpose();
+        let force = DVector::from_fn(n, |_, _| random.uniform(-2.0, 2.0));
+        let mut structure = Structure::with_mass_matrix(mass.clone()).unwrap();
+        for i in 0..n {
+            structure = structure.with_force(i, force[i]).unwrap();
+        }
+        let mut rows = DMatrix::zeros(k, n);
+        let mut limits = vec![];
+        for c in 0..k {
+            let i = (random.bits() % n as u64) as usize;
+            let other = (i + 1 + (random.bits() % n as u64) as usize) % n;
+            let direction = if i == other || random.bits().is_multiple_of(2) {
+                vec![(i, 1.0)]
+            } else {
+                vec![(i, 1.0), (other, -1.0)]
+            };
+            for &(j, b) in &direction {
+                rows[(c, j)] = b;
+            }
+            let limit = random.uniform(0.1, 1.5);
+            limits.push(limit);
+            let contact = Contact::along(&direction, even(0.5), 2.0 * limit).unwrap();
+            structure = structure.with_contact(contact).unwrap();
+        }
+        Self {
+            structure,
+            rows,
+            inverse: mass.try_inverse().unwrap(),
+            force,
+            limits,
+        }
+    }
+
+    /// v' of the programme; with a force held at a value also how far that is from balance.
+    fn accelerations(&self, held: Option<(usize, f64)>) -> DVector<f64> {
+        let k = self.limits.len();
+        let compliance = &self.rows * &self.inverse * self.rows.transpose();
+        let free = &self.rows * &self.inverse * &self.force;
+        let mut carried = DVector::zeros(k);
+        if let Some((c, value)) = held {
+            carried[c] = value;
+        }
+        for _ in 0..20_000 {
+            let mut moved = 0.0_f64;
+            for c in (0..k).filter(|&c| held.is_none_or(|(other, _)| c != other)) {
+                let pull = free[c] - (compliance.row(c) * &carried)[0];
+                let next = carried[c] + pull / compliance[(c, c)];
+                let next = next.clamp(-self.limits[c], self.limits[c]);
+                moved = moved.max((next - carried[c]).abs());
+                carried[c] = next;
+            }
+            if moved < 1e-16 {
+                break;
+            }
+        }
+        &self.inverse * (&self.force - self.rows.transpose() * carried)
+    }
+}
+
+#[test]
+fn decisions_of_dependent_contacts_solve_the_programme() {
+    let mut random = Random::new(73);
+    let (mut rest, mut ranges) = (0, 0);
+    let cases = count(200, 2000);
+    for case in 0..cases {
+        let drawn = Drawn::new(&mut random);
+        let structure = &drawn.structure;
+        let state = State::at_rest(structure.len());
+        let found = structure.acceleration(0.0, &state).unwrap();
+        let expected = drawn.accelerations(None);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert_abs_diff_eq!(found, expected, epsilon = 1e-11);
+        }
+        let carried = structure.carried(0.0, &state).unwrap();
+        let balance = &drawn.inverse
+            * (&drawn.force - drawn.rows.transpose() * DVector::from_vec(forces(&carried)));
+        assert_abs_diff_eq!(balance, DVector::from_vec(found), epsilon = 1e-13);
+        for (c, of) in carried.iter().enumerate() {
+            let limit = drawn.limits[c] * (1.0 + 1e-13);
+            assert!(of.force.abs() <= limit, "{case} {of:?} {limit}");
+            assert!(of.least <= of.force && of.force <= of.most, "{case} {of:?}");
+            if of.is_determined() {
+                continue;
+            }
+            rest += 1;
+            // The ends of the range are possible, and nothing beyond them.
+            for (end, beyond) in [(of.least, -1e-3), (of.most, 1e-3)] {
+                let apart = |value: f64| {
+                    let held = drawn.accelerations(Some((c, value)));
+                    (held - &expected).amax()
+                };
+                assert!(apart(end) < 1e-6, "{case} {c} {of:?}");
+                if (end + beyond).abs() < drawn.limits[c] {
+                    assert!(apart(end + beyond) > 1e-6, "{case} {c} {of:?}");
+                    ranges += 1;
+                }
+            }
+        }
+    }
+    println!("{rest} forces not determined, {ranges} ends of ranges inside the limits");
+    assert!(rest > cases && ranges > cases / 4);
+}
+
+/// Belts that move in the same way hold together; one that speeds up is left by its contact.
+#[test]
+fn surfaces_that_part_do_not_hold_together() {
+    let belt = |late: f64| Drive::profile(&[(0.0, 0.3), (2.0, 0.3), (4.0, late)]).unwrap();
+    let block = |late: f64| {
+        Structure::new(&[2.0])
+            .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 3.0)?.on_belt(belt(0.3))))
+            .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 1.0)?.on_belt(belt(late))))
+            .unwrap()
+    };
+    let start = State::new(&[0.0], &[0.3]);
+    let motion = block(0.3).simulate(start.clone(), 5.0).unwrap();
+    assert!(motion.events().is_empty());
+    let motion = block(0.9).simulate(start.clone(), 3.0).unwrap();
+    assert_eq!(keys(&motion), [(1, EventKind::Release(Direction::Lagging))]);
+    assert_eq!(motion.events()[0].time, 2.0);
+    assert_eq!(motion.mode_at(0, 2.5), Some(Mode::Stick));
+    // Two that start together, and part with their second derivatives only.
+    let swinging = |size: f64| {
+        Drive::harmonic(size, 1.0, 0.0)
+            .unwrap()
+            .with_constant(-size)
+    };
+    let block = Structure::new(&[2.0])
+        .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 3.0)?.on_belt(swinging(0.1)?)))
+        .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 1.0)?.on_belt(swinging(0.3)?)))
+        .unwrap();
+    let motion = block.simulate(State::at_rest(1), 1.0).unwrap();
+    assert_eq!(motion.mode_at(0, 0.5), Some(Mode::Stick));
+    assert_eq!(motion.mode_at(1, 0.5), Some(Mode::Slip(Direction::Leading)));
+    assert_relative_eq!(motion.last().velocities[0], 0.1 * (1.0_f64.cos() - 1.0));
+}
