@@ -449,12 +449,6 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// let silent = brake.silencing_load()?; // N
     /// let light = PhysicalMassOnBelt::new(Physical { normal_force: 0.999 * silent, ..pad }, law)?;
     /// assert!(light.cycles()?.is_empty());
-    /// // Or take a stiffer spring.
-    /// let silent = brake.silencing_stiffness()?; // N/m
-    /// let stiff = PhysicalMassOnBelt::new(Physical { stiffness: 1.001 * silent, ..pad }, law)?;
-    /// assert!(stiff.cycles()?.is_empty());
-    /// let soft = PhysicalMassOnBelt::new(Physical { stiffness: 0.999 * silent, ..pad }, law)?;
-    /// assert!(!soft.cycles()?.is_empty());
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     #[doc(alias = "squeal")]
@@ -483,6 +477,20 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// # Errors
     ///
     /// The errors of [`bifurcation::silencing_stiffness`], with numbers in SI units.
+    ///
+    /// ```
+    /// # use stick_slip::{Coulomb, Physical, PhysicalMassOnBelt};
+    /// let pad = Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// };
+    /// let of = |stiffness: f64| {
+    ///     PhysicalMassOnBelt::new(Physical { stiffness, ..pad }, Coulomb::new(0.4, 0.25)?)
+    /// };
+    /// let silent = of(5000.0)?.silencing_stiffness()?; // N/m
+    /// assert!(of(1.001 * silent)?.cycles()?.is_empty());
+    /// assert!(!of(0.999 * silent)?.cycles()?.is_empty());
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     #[doc(alias = "squeal")]
     pub fn silencing_stiffness(&self) -> Result<f64, Error> {
         let (physical, law) = (self.physical(), self.system.law().law());

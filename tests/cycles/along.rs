@@ -179,7 +179,7 @@ fn bad_families_and_ranges_are_errors_that_name_the_value() {
 /// damping at which vibration ends is that of the system.
 #[test]
 fn the_stiffness_that_silences_is_that_of_the_damping_that_silences() {
-    for (v_b, damping, load) in [(1.0, 0.03, 1.0), (-0.9, 0.02, 0.4), (0.7, 0.05, 3.0)] {
+    for (v_b, damping, load) in [(1.0, 0.03, 1.0), (-0.9, 0.02, 0.4), (0.9, 0.05, 2.0)] {
         let law = |unit: f64| Exponential::new(0.6, 0.3, 0.4 / unit).unwrap();
         let soft = on_belt(law(1.0), v_b, damping, load);
         let stiffness = silencing_stiffness(&soft).unwrap();
