@@ -263,7 +263,7 @@ impl Drawn {
         if let Some((c, value)) = held {
             carried[c] = value;
         }
-        for _ in 0..20_000 {
+        for _ in 0..10_000 {
             let mut moved = 0.0_f64;
             for c in (0..k).filter(|&c| held.is_none_or(|(other, _)| c != other)) {
                 let pull = free[c] - (compliance.row(c) * &carried)[0];
@@ -284,7 +284,7 @@ impl Drawn {
 fn decisions_of_dependent_contacts_solve_the_programme() {
     let mut random = Random::new(73);
     let (mut rest, mut ranges) = (0, 0);
-    let cases = count(200, 2000);
+    let cases = count(25, 250);
     for case in 0..cases {
         let drawn = Drawn::new(&mut random);
         let structure = &drawn.structure;

@@ -371,9 +371,7 @@ fn motions_of_elastic_contacts_obey_the_law() {
         motions += 1;
         // A stiff spring that sticks vibrates so fast that a whole motion would take 10⁷ steps.
         for step in flow.take(400) {
-            let step = match step {
-                step => step.unwrap_or_else(|error| panic!("{error}\n{}", about())),
-            };
+            let step = step.unwrap_or_else(|error| panic!("{error}\n{}", about()));
             events += step.events().len();
             if step.start_time() > 20.0 || step.duration() > 1e3 {
                 break;
