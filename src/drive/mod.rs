@@ -39,9 +39,9 @@ use crate::series::PowerSeries;
 /// ```
 ///
 /// c is a constant, and A_k, Ω_k and φ_k are the amplitude, angular frequency and phase of a
-/// harmonic. A function of your own, such as a chirp or a shock, is a [`TimeFunction`]. Times, angular frequencies (radians per unit of time) and values are in the units of
-/// the driven system; phases are in radians. A plain number such as `0.3` is accepted as a constant
-/// drive.
+/// harmonic. A function of your own, such as a chirp or a shock, is a [`TimeFunction`]. Times,
+/// angular frequencies (radians per unit of time) and values are in the units of the driven system;
+/// phases are in radians. A plain number such as `0.3` is accepted as a constant drive.
 ///
 /// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
 /// in the first. At a kink or a jump, [`value`](Self::value) and [`slope`](Self::slope) return the

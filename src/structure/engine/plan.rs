@@ -490,8 +490,8 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
 #[derive(Clone, Copy)]
 struct Reach {
     tolerance: f64,
-    /// True if there are force elements, or functions of users as drives. A series whose last terms are 0 is then no polynomial:
-    /// that of x'' = −x⁶ from x = 0 has every seventh term only.
+    /// True if there are force elements, or functions of users as drives. A series whose last
+    /// terms are 0 is then no polynomial: that of x'' = −x⁶ from x = 0 has every seventh term only.
     has_gaps: bool,
 }
 

@@ -125,9 +125,10 @@ impl Decision {
             if self.let_fastest_yield(&slipping.collect::<Vec<_>>()) {
                 continue;
             }
-            // In the second solution, too: forces in stick and accelerations in slip do not count as
-            // rounding within the same bounds.
-            let changed = self.put_on_edges();
+            // In the second solution, too: forces in stick and accelerations in slip do not count
+            // as rounding within the same bounds. Surfaces of dependent contacts may part without
+            // an acceleration.
+            let changed = !(are_on_edges && self.is_dependent) && self.put_on_edges();
             self.is_solved = are_on_edges || !changed;
             are_on_edges = true;
         }
