@@ -9,8 +9,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use stick_slip::{
-    AnyContactLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, Integrator, LuGre,
-    MassOnBelt, Scalar, Segment, State, Structure, structure,
+    AnyContactLaw, Contact, Coulomb, Drive, Dwell, Exponential, ForceElement, FrictionLaw,
+    Integrator, LuGre, MassOnBelt, Pendulum, PolynomialSpring, Scalar, Segment, State, Structure,
+    structure,
 };
 use stick_slip_tests_common::{Decay, Leine, Table, friction_law, paper};
 
@@ -202,4 +203,35 @@ fn a_structure_allocates_the_steps_alone() {
         events += step.events().len();
     }
     assert!(events > 200, "{events}");
+}
+
+/// Force elements allocate one list for the time unit of a step, and nothing for their forces.
+#[test]
+fn force_elements_allocate_a_list_for_each_step() {
+    let spring = PolynomialSpring::new(&[0.5, 0.0, 0.8]).unwrap();
+    let factor = Drive::sine(0.2, 0.7).unwrap().with_constant(1.0).unwrap();
+    let mesh = ForceElement::between(0, 1, spring).unwrap();
+    let pendulum = Pendulum::new(1.0, 1.0).unwrap();
+    let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.3).unwrap(), 1.0).unwrap();
+    let structure = Structure::new(&[1.0, 2.0])
+        .and_then(|structure| structure.with_contact(belt.on_belt(0.2)))
+        .and_then(|structure| structure.with_element(mesh.with_factor(factor)?))
+        .and_then(|structure| structure.with_element(ForceElement::new(1, pendulum)?))
+        .unwrap();
+    let start = structure::State::at_rest(2);
+    let mut flow = Integrator::new().flow(&structure, start).unwrap();
+    for _ in 0..10 {
+        flow.next().unwrap().unwrap();
+    }
+    for _ in 0..500 {
+        let before = CALLS.get();
+        let step = flow.next().unwrap().unwrap();
+        let made = CALLS.get();
+        let copy = std::hint::black_box(step.clone());
+        let (made, copied) = (made - before, CALLS.get() - made);
+        if copy.events().is_empty() {
+            // Two calls: the list is made and freed.
+            assert!(made <= copied + 2, "{made} and {copied}");
+        }
+    }
 }

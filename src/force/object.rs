@@ -8,7 +8,9 @@ use crate::friction::memory::Variables;
 use crate::scalar::Scalar;
 use crate::scalar::dual::Dual;
 use crate::scalar::jet::{Jet, Tape};
+use crate::scalar::lanes::LANES;
 use crate::series::PowerSeries;
+use crate::series::many::{Block, GROUPS, values_of};
 
 /// Positions and velocities along the directions of a force, and the piece of its law.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +18,16 @@ pub(crate) struct Place<'p, S> {
     pub(crate) positions: &'p [S],
     pub(crate) velocities: &'p [S],
     pub(crate) piece: usize,
+}
+
+/// The series of a force element along a motion.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Along<'p> {
+    pub(crate) place: Place<'p, PowerSeries>,
+    /// F_i.
+    pub(crate) forces: &'p [PowerSeries],
+    /// D.
+    pub(crate) factor: &'p PowerSeries,
 }
 
 /// The law of a force without its type.
@@ -40,6 +52,11 @@ pub(crate) trait ForceObject {
         place: Place<'_, PowerSeries>,
         forces: &mut [PowerSeries],
     );
+    /// Adds, for each F_i, the largest |D| |F_i(x(t), y(t)) − F_i(t)| in each group of four times
+    /// to one of its sums: `kinds` has the number of the sum for each group.
+    fn add_defects(&self, along: Along<'_>, times: &Block, kinds: &[usize], sums: &mut [[f64; 3]]);
+    /// The derivative of each F_i by an input at the start of a motion.
+    fn start_slopes(&self, place: Place<'_, PowerSeries>, by: usize, slopes: &mut [f64]);
     /// The series of each F_i along a motion.
     fn series(&self, place: Place<'_, PowerSeries>) -> Vec<PowerSeries>;
     /// The series of the derivative of each F_i by an input.
@@ -152,6 +169,64 @@ impl<L: Forces + 'static> ForceObject for L {
         });
     }
 
+    fn add_defects(&self, along: Along<'_>, times: &Block, kinds: &[usize], sums: &mut [[f64; 3]]) {
+        let zeros: L::Coordinates<f64> = Variables::from_fn(|_| 0.0);
+        let [mut x, mut y, mut expanded] = [[[zeros; LANES]; GROUPS]; 3];
+        let mut factors = *times;
+        let Place {
+            positions,
+            velocities,
+            piece,
+        } = along.place;
+        for i in 0..sums.len() {
+            let first = values_of([&positions[i], &along.forces[i]], times);
+            let second = values_of([&velocities[i], along.factor], times);
+            factors = second[1];
+            for (to, from) in [
+                (&mut x, first[0]),
+                (&mut y, second[0]),
+                (&mut expanded, first[1]),
+            ] {
+                for (to, from) in to.as_flattened_mut().iter_mut().zip(from.as_flattened()) {
+                    to.as_mut()[i] = *from;
+                }
+            }
+        }
+        for (group, &kind) in kinds.iter().enumerate() {
+            let factor = factors[group]
+                .iter()
+                .fold(0.0, |most: f64, d| most.max(d.abs()));
+            let mut largest = zeros;
+            for lane in 0..LANES {
+                let exact = self.at(x[group][lane], y[group][lane], piece);
+                let both = exact.as_ref().iter().zip(expanded[group][lane].as_ref());
+                for (largest, (exact, force)) in largest.as_mut().iter_mut().zip(both) {
+                    let defect = (exact - force).abs();
+                    // Numbers that are not finite are not dropped.
+                    if defect > *largest || defect.is_nan() {
+                        *largest = defect;
+                    }
+                }
+            }
+            for (sums, largest) in sums.iter_mut().zip(largest.as_ref()) {
+                sums[kind] += factor * largest;
+            }
+        }
+    }
+
+    fn start_slopes(&self, place: Place<'_, PowerSeries>, by: usize, found: &mut [f64]) {
+        let forces = duals(
+            self,
+            place.piece,
+            by,
+            [place.positions, place.velocities],
+            |z| z[0],
+        );
+        for (found, force) in found.iter_mut().zip(forces.as_ref()) {
+            *found = force.derivative();
+        }
+    }
+
     fn series(&self, place: Place<'_, PowerSeries>) -> Vec<PowerSeries> {
         let [x, y] = [place.positions, place.velocities].map(|z| Variables::from_fn(|i| z[i]));
         self.at(x, y, place.piece).as_ref().to_vec()
@@ -166,16 +241,26 @@ impl<L: Forces + 'static> ForceObject for L {
     }
 }
 
+/// Each F_i with its derivative by an input, at inputs that are taken from `positions` and
+/// `velocities`.
+fn duals<L: Forces, T, S: Scalar>(
+    law: &L,
+    piece: usize,
+    by: usize,
+    [positions, velocities]: [&[T]; 2],
+    take: impl Fn(&T) -> S,
+) -> L::Coordinates<Dual<S>> {
+    let component = |input: usize| if input == by { 1.0 } else { 0.0 };
+    let m = positions.len();
+    let x = Variables::from_fn(|i| Dual::along(take(&positions[i]), component(i)));
+    let y = Variables::from_fn(|i| Dual::along(take(&velocities[i]), component(m + i)));
+    law.at(x, y, piece)
+}
+
 /// The derivative of each F_i by an input.
 fn slopes<L: Forces, S: Scalar>(law: &L, place: Place<'_, S>, by: usize) -> Vec<S> {
-    let component = |input: usize| if input == by { 1.0 } else { 0.0 };
-    let m = place.positions.len();
-    let x = Variables::from_fn(|i| Dual::along(place.positions[i], component(i)));
-    let y = Variables::from_fn(|i| Dual::along(place.velocities[i], component(m + i)));
-    let forces = law.at(x, y, place.piece);
-    forces
-        .as_ref()
-        .iter()
-        .map(|force| force.derivative())
-        .collect()
+    let inputs = [place.positions, place.velocities];
+    let forces = duals(law, place.piece, by, inputs, |z| *z);
+    let slopes = forces.as_ref().iter().map(|force| force.derivative());
+    slopes.collect()
 }

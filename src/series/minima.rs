@@ -18,6 +18,13 @@ impl PowerSeries {
         }
     }
 
+    /// The same about each minimum and maximum.
+    pub(crate) fn about_extrema(&self, h: f64, values: [f64; 4], look: &mut dyn FnMut([f64; 4])) {
+        self.about_minima(h, values, look);
+        self.scaled(-1.0)
+            .about_minima(h, values.map(|value| -value), look);
+    }
+
     #[inline(never)]
     fn about_turns(&self, h: f64, slopes: [f64; 6], look: &mut dyn FnMut([f64; 4])) {
         const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];

@@ -32,11 +32,15 @@ const FIRST: f64 = 0.0625;
 pub(super) fn is_accepted(
     model: &Model<'_>,
     situation: &Situation,
-    series: &Series,
+    series: &mut Series,
     plan: &Plan,
     h: f64,
 ) -> bool {
-    let elements = std::iter::zip(&model.elements, &series.elements);
+    let Series {
+        contacts: at_contacts,
+        elements,
+        ..
+    } = series;
     let contacts = (0..model.contacts.len()).all(|c| {
         if model.contacts[c].is_elastic() {
             // Linear in what is integrated, up to its events.
@@ -45,7 +49,7 @@ pub(super) fn is_accepted(
         let step = ContactStep {
             contact: &model.contacts[c],
             state: &situation.contacts[c],
-            series: &series.contacts[c],
+            series: &at_contacts[c],
             allowance: plan.contacts[c],
             size: plan.sizes[c],
             unit: plan.unit,
@@ -58,12 +62,11 @@ pub(super) fn is_accepted(
     // In stick a force is carried, not integrated.
     let held = |j: usize| {
         let owner = model.owner[j].filter(|&c| situation.contacts[c].sticks())?;
-        let scale = series.contacts[owner].bound[0].abs().max(plan.sizes[owner]);
+        let scale = at_contacts[owner].bound[0].abs().max(plan.sizes[owner]);
         Some(Allowance::new(plan.tolerance * scale, scale))
     };
     contacts
-        && elements
-            .into_iter()
+        && std::iter::zip(&model.elements, elements)
             .all(|(element, of)| force_is_accepted((element, of), plan, &held, checks))
 }
 
@@ -83,36 +86,39 @@ pub(super) fn functions_are_accepted(
 /// Returns true if the defect of a force element is accepted on each of its coordinates: at the
 /// same places, and about the extrema of its positions and velocities.
 fn force_is_accepted(
-    (element, series): (&ElementData<'_>, &ElementSeries),
+    (element, of): (&ElementData<'_>, &mut ElementSeries),
     plan: &Plan,
     held: &dyn Fn(usize) -> Option<Allowance>,
     checks: Checks,
 ) -> bool {
-    let none = vec![0.0; series.forces.len()];
-    let [mut at_quarters, mut at_extrema, mut between] = [none.clone(), none.clone(), none];
-    for k in 0..checks.count() {
-        let sums = if k == 0 {
-            &mut at_quarters
-        } else {
-            &mut between
-        };
-        series.add_defects(element, checks.group(k), sums);
-    }
-    for along in series.positions.iter().chain(&series.velocities) {
-        for along in [*along, along.scaled(-1.0)] {
-            along.about_minima(checks.h, along.at_some(quarters(checks.h)), &mut |times| {
-                series.add_defects(element, times, &mut at_extrema);
-            });
+    /// The sums of defects of an element.
+    const QUARTERS: usize = 0;
+    const EXTREMA: usize = 1;
+    const BETWEEN: usize = 2;
+    of.defects.fill([0.0; 3]);
+    for first in (0..checks.count()).step_by(GROUPS) {
+        let times = std::array::from_fn(|k| checks.group(first + k));
+        let mut kinds = [BETWEEN; GROUPS];
+        if first == 0 {
+            kinds[0] = QUARTERS;
         }
+        let count = GROUPS.min(checks.count() - first);
+        of.add_defects(element, &times, &kinds[..count]);
+    }
+    for i in 0..2 * of.positions.len() {
+        let along = of.along(i);
+        let values = along.at_some(quarters(checks.h));
+        along.about_extrema(checks.h, values, &mut |times| {
+            of.add_defects(element, &[times; GROUPS], &[EXTREMA]);
+        });
     }
     let mut coordinates = element.responses.iter().flatten().map(|&(j, _)| j);
     coordinates.all(|j| {
-        let on_coordinate = |defects: &[f64]| {
-            let forces = std::iter::zip(&element.responses, defects);
-            let parts = forces.map(|(response, defect)| entry(response, j).abs() * defect);
+        let forces = || std::iter::zip(&element.responses, &of.defects);
+        let defects = [QUARTERS, EXTREMA, BETWEEN].map(|kind| {
+            let parts = forces().map(|(response, sums)| entry(response, j).abs() * sums[kind]);
             parts.sum::<f64>()
-        };
-        let defects = [&at_quarters, &at_extrema, &between].map(|sums| on_coordinate(sums));
+        });
         match held(j) {
             Some(allowance) => allowance.accepts(defects, 1.0),
             None => plan.coordinates[j].accepts(defects, checks.h),

@@ -2,9 +2,10 @@
 
 use super::coordinate_series::CoordinateSeries;
 use super::element::{ElementData, sum};
-use crate::force::object::Place;
+use crate::force::object::{Along, Place};
 use crate::scalar::jet::Tape;
 use crate::series::PowerSeries;
+use crate::series::many::Block;
 
 /// The series at one element.
 #[derive(Debug, Clone)]
@@ -20,19 +21,25 @@ pub(super) struct ElementSeries {
     pub(super) piece: usize,
     /// ∂F_i/∂x_j at the start, a list for each j.
     pub(super) tangents: Vec<Vec<f64>>,
+    /// For each F_i the sums of its defects at the quarters of a step, about extrema and between.
+    pub(super) defects: Vec<[f64; 3]>,
+    factor_varies: bool,
     tape: Tape,
 }
 
 impl ElementSeries {
     pub(super) fn new(element: &ElementData<'_>, time: f64) -> Self {
-        let zeros = vec![PowerSeries::ZERO; element.directions.len()];
+        let m = element.directions.len();
+        let zeros = vec![PowerSeries::ZERO; m];
         Self {
             positions: zeros.clone(),
             velocities: zeros.clone(),
             forces: zeros,
             factor: PowerSeries::of(element.factor.value(time)),
             piece: 0,
-            tangents: vec![Vec::new(); element.directions.len()],
+            tangents: vec![vec![0.0; m]; m],
+            defects: vec![[0.0; 3]; m],
+            factor_varies: false,
             tape: Tape::new(),
         }
     }
@@ -43,32 +50,34 @@ impl ElementSeries {
         self.velocities.iter().all(is_zero)
     }
 
+    /// Position i, or velocity i − m.
+    pub(super) fn along(&self, i: usize) -> PowerSeries {
+        *self
+            .positions
+            .iter()
+            .chain(&self.velocities)
+            .nth(i)
+            .unwrap_or(&PowerSeries::ZERO)
+    }
+
     /// Notes the tangents at the start.
     pub(super) fn note_tangents(&mut self, element: &ElementData<'_>) {
-        let [positions, velocities] = [&self.positions, &self.velocities].map(|series| {
-            let start: Vec<f64> = series.iter().map(|series| series[0]).collect();
-            start
-        });
         let place = Place {
-            positions: &positions,
-            velocities: &velocities,
+            positions: &self.positions,
+            velocities: &self.velocities,
             piece: self.piece,
         };
         for (by, tangents) in self.tangents.iter_mut().enumerate() {
-            *tangents = element.law.slopes(place, by);
+            element.law.start_slopes(place, by, tangents);
         }
     }
 
-    /// The sizes of the terms of each D F_i at the start: F_i and its change over the whole of each
+    /// The size of the terms of D F_i at the start: F_i and its change over the whole of each
     /// position, whose rounding errors it magnifies.
-    pub(super) fn sizes(&self, element: &ElementData<'_>) -> Vec<f64> {
-        let positions = &self.positions;
-        let size = |(i, force): (usize, &PowerSeries)| {
-            let changes = std::iter::zip(&self.tangents, positions);
-            let changes = changes.map(|(tangents, x)| (tangents[i] * x[0]).abs());
-            (force[0].abs() + changes.sum::<f64>()) * element.factor.size()
-        };
-        self.forces.iter().enumerate().map(size).collect()
+    pub(super) fn size(&self, element: &ElementData<'_>, i: usize) -> f64 {
+        let changes = std::iter::zip(&self.tangents, &self.positions);
+        let changes = changes.map(|(tangents, x)| (tangents[i] * x[0]).abs());
+        (self.forces[i][0].abs() + changes.sum::<f64>()) * element.factor.size()
     }
 
     /// Order k of the force.
@@ -78,6 +87,9 @@ impl ElementSeries {
         coordinates: &[CoordinateSeries],
         k: usize,
     ) {
+        if k == 0 {
+            self.factor_varies = !self.factor.is_constant();
+        }
         let motion = |j: usize| &coordinates[j].motion;
         for (i, direction) in element.directions.iter().enumerate() {
             self.positions[i][k] = sum(direction, |j| motion(j).displacement(k));
@@ -99,38 +111,31 @@ impl ElementSeries {
         element.law.order(tape, k, place, forces);
     }
 
-    /// Adds the largest defect |D| |F_i(x(t), y(t)) − F_i(t)| at four times, for each direction.
-    pub(super) fn add_defects(&self, element: &ElementData<'_>, times: [f64; 4], sums: &mut [f64]) {
-        let values = |series: &[PowerSeries]| -> Vec<[f64; 4]> {
-            series.iter().map(|series| series.at_some(times)).collect()
-        };
-        let [x, y] = [&self.positions, &self.velocities].map(|series| values(series));
-        let (forces, factors) = (values(&self.forces), self.factor.at_some(times));
-        let factor = factors.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
-        let mut largest = vec![0.0; sums.len()];
-        for lane in 0..times.len() {
-            let [positions, velocities] = [&x, &y]
-                .map(|values| -> Vec<f64> { values.iter().map(|values| values[lane]).collect() });
-            let exact = element.law.forces(Place {
-                positions: &positions,
-                velocities: &velocities,
+    /// Adds the defects in groups of four times to the sums of these kinds.
+    pub(super) fn add_defects(
+        &mut self,
+        element: &ElementData<'_>,
+        times: &Block,
+        kinds: &[usize],
+    ) {
+        let along = Along {
+            place: Place {
+                positions: &self.positions,
+                velocities: &self.velocities,
                 piece: self.piece,
-            });
-            for ((largest, exact), force) in std::iter::zip(&mut largest, exact).zip(&forces) {
-                let defect = (exact - force[lane]).abs();
-                // Numbers that are not finite are not dropped.
-                *largest = if defect <= *largest { *largest } else { defect };
-            }
-        }
-        for (sum, largest) in std::iter::zip(sums, largest) {
-            *sum += factor * largest;
-        }
+            },
+            forces: &self.forces,
+            factor: &self.factor,
+        };
+        element
+            .law
+            .add_defects(along, times, kinds, &mut self.defects);
     }
 
     /// Coefficient k of D F_i.
     pub(super) fn product(&self, i: usize, k: usize) -> f64 {
         let force = &self.forces[i];
-        if self.factor.is_constant() {
+        if !self.factor_varies {
             return self.factor[0] * force[k];
         }
         (0..=k).map(|l| self.factor[l] * force[k - l]).sum()

@@ -71,8 +71,8 @@ fn note_sizes(model: &Model<'_>, series: &mut Series) {
         }
     };
     for (element, of) in std::iter::zip(&model.elements, elements) {
-        for (response, size) in std::iter::zip(&element.responses, of.sizes(element)) {
-            note(response, size);
+        for (i, response) in element.responses.iter().enumerate() {
+            note(response, of.size(element, i));
         }
     }
     for &c in &model.springs {
