@@ -45,6 +45,7 @@
 //! | bristles: steady sliding, small vibration of a mass, passivity | [`lugre`] |
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
+//! | a hardening or softening spring: period, decay by dry friction, response to a harmonic force | [`duffing`] |
 //! | two inertias on a shaft, with friction at one of them | [`drill_string`] |
 //!
 //! # Where the source paper is wrong
@@ -73,6 +74,7 @@ pub mod averaging;
 pub mod coulomb;
 pub mod design;
 pub mod drill_string;
+pub mod duffing;
 pub mod dwell;
 pub mod exponential;
 pub mod fast_vibration;

@@ -3,6 +3,7 @@
 use stick_slip_tests_common as common;
 
 mod averaging;
+mod duffing;
 mod formulas;
 mod jenkins;
 mod misprints;
