@@ -8,13 +8,16 @@
 //!
 //! Then the same chains with joints between all neighbours, friction contacts that share masses:
 //! all sliding, or all stuck, so that what they carry is found by a factorisation in every order.
+//!
+//! Last, what a force element adds to a step of one mass, beside what a second mass with its
+//! friction adds.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use stick_slip::{
-    Contact, Coulomb, Drive, Exponential, FrictionLaw, Integrator, MassOnBelt, Polynomial,
-    Rational, State, Structure, System, structure,
+    Contact, Coulomb, Drive, Exponential, ForceElement, FrictionLaw, Integrator, MassOnBelt,
+    Pendulum, Polynomial, PolynomialSpring, Rational, State, Structure, System, structure,
 };
 
 /// Least time of a step, in nanoseconds, over many runs of so many steps.
@@ -167,4 +170,34 @@ fn main() {
         "\none harmonic belt: {:5.0} ns",
         of_structure(1, &cubic, true)
     );
+    elements(&cubic);
+}
+
+/// What a force element adds to a step of one mass, in parts of what a second mass adds.
+fn elements(friction: &Polynomial) {
+    let with = |element: ForceElement| chain(1, friction, false).with_element(element).unwrap();
+    let duffing = PolynomialSpring::new(&[0.0, 0.0, 0.5]).unwrap();
+    let pendulum = Pendulum::new(0.5, 1.0).unwrap();
+    let systems = [
+        ("one mass", chain(1, friction, false)),
+        ("a second", chain(2, friction, false)),
+        ("Duffing", with(ForceElement::new(0, duffing).unwrap())),
+        ("pendulum", with(ForceElement::new(0, pendulum).unwrap())),
+    ];
+    let mut least = [f64::INFINITY; 4];
+    // In turn, and the least of all.
+    for _ in 0..3 {
+        for (least, (_, system)) in least.iter_mut().zip(&systems) {
+            *least = least.min(least_of(2000, 100, system, &start(system.len())));
+        }
+    }
+    let [one, second, ..] = least;
+    println!("\n{} {one:5.0} ns a step; others add", systems[0].0);
+    for (least, (name, _)) in std::iter::zip(least, &systems).skip(1) {
+        let added = least - one;
+        println!(
+            "{name:8} {added:5.0} ns: {:.2} of a second mass",
+            added / (second - one)
+        );
+    }
 }
