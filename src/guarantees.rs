@@ -160,6 +160,22 @@
 //!   `structures::elastic::a_scheme_without_events_comes_to_the_same_states`.
 //!   The force of an elastic contact in a state is exactly its limit if the slider moves, and at
 //!   most its limit otherwise: `structures::restarts::sliders_carry_their_limit_in_every_bit`.
+//! * **Force elements.** A linear element has the motions, events included, of the spring and
+//!   damper that it is, to rounding errors and their magnification by the problem, also if it is
+//!   divided into two, or multiplied by a factor:
+//!   `structures::forces::a_linear_element_is_a_spring_and_a_damper`. Free vibrations on nonlinear
+//!   springs have the periods of their closed forms, and conservative elements keep the energy to
+//!   rounding errors:
+//!   `structures::forces::free_vibrations_have_the_periods_of_their_closed_forms`,
+//!   `structures::force_laws::energy_is_kept`,
+//!   `structures::forces::a_rotation_symmetric_field_conserves_the_angular_momentum`. The work of a
+//!   factor is the growth of the energy:
+//!   `structures::forces::a_factor_is_a_stiffness_that_varies`. A motion that meets a singular
+//!   point of a force ends with an error that names the place:
+//!   `structures::forces::singular_points_of_a_force_are_named`.
+//! * **Steady sliding with force elements** is one of several solutions, found by Newton's method
+//!   from given displacements; no completeness is promised:
+//!   `structures::forces::steady_sliding_is_found_with_nonlinear_forces`.
 //! * **Symmetry.** Mirror images agree in every bit, and equal masses with equal states keep equal
 //!   states in every bit: `structures::identities::mirror_images_agree_to_the_bit`,
 //!   `structures::elastic_identities::mirror_images_agree_to_the_bit`,

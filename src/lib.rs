@@ -71,7 +71,14 @@
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
-//! | nonlinear springs and dampers, pendulums, backlash | a [`ForceElement`] with [`PolynomialSpring`], [`Pendulum`], [`Backlash`], [`SnapThrough`], [`VanDerPol`], [`TabulatedForce`], or your own [`ForceLaw`] |
+//! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
+//! | a pendulum | [`Pendulum`]; its pivot is at rest |
+//! | gear play, backlash | [`Backlash`] |
+//! | a stop | elastic: [`Backlash`] with the stiffness of the stop; rigid impacts are not available |
+//! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`] |
+//! | a stiffness that varies in time (gear mesh, Mathieu's equation) | [`ForceElement::with_factor`], with the law [`PolynomialSpring`] of one coefficient |
+//! | a controller | linear feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; other feedback: your own [`ForceField`]; a filter of second order is a coordinate of its own; delays are not available |
+//! | a nonlinear damper, or any other force of displacements and velocities | [`VanDerPol`], or your own [`ForceLaw`] or [`ForceField`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
 //! | a law that depends on the direction | in slip: a [`ContactLaw`] receives the direction, a [`FrictionLaw`] is odd in the relative velocity; in stick: not available, the limit μ_s is the same in both directions |
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
@@ -158,6 +165,9 @@
 //!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions may
 //!   rest together: when they slip is determined, though what each of them carries is not
 //!   ([`structure::Carried`]).
+//! * **Not available:** a mass matrix that depends on displacements (double pendulums, linkages);
+//!   delays (regenerative chatter); friction whose direction turns in a plane; rigid impacts;
+//!   forces that jump with the displacement; rate-and-state friction laws.
 //! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
 //!   steep friction as in the cubic law far above its minimum) does not increase the number of
 //!   steps, up to D of about 1e20. In structures stiffness does not increase the number of steps in
@@ -174,7 +184,7 @@
 //! `structures` and `orbits` are on by default. Without them there is one mass on a belt, with all
 //! its searches and formulas, and `nalgebra` is not needed: `default-features = false`.
 //!
-//! * `structures`: adds [`structure`], [`Structure`], [`Contact`] and [`Drive`].
+//! * `structures`: adds [`structure`], [`Structure`], [`Contact`], [`ForceElement`] and [`Drive`].
 //! * `orbits`: adds [`orbit`] and [`bifurcation::hopf_locus`], and turns on `structures`.
 //! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes, but
 //!   does not read, equilibria, cycles and diagrams. `schema` lists the names.

@@ -59,6 +59,10 @@
 //! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |
 //! | where friction acts, with which friction law and normal load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
 //! | elastic joints, normal springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
+//! | a hard spring, pendulum, gear play, snap-through, nonlinear damper | [`ForceElement`], with a law of the crate ([`PolynomialSpring`](crate::PolynomialSpring), [`Pendulum`](crate::Pendulum), [`Backlash`](crate::Backlash), [`SnapThrough`](crate::SnapThrough), [`VanDerPol`](crate::VanDerPol), [`TabulatedForce`](crate::TabulatedForce)) or your own [`ForceLaw`](crate::ForceLaw) |
+//! | an elastic stop | a [`Backlash`](crate::Backlash) with its stiffness, on one side or both; rigid impacts are not available |
+//! | a stiffness that varies in time: gear mesh, Mathieu's equation | [`ForceElement::with_factor`] |
+//! | a controller | linear: [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping), with unsymmetric matrices; other: a [`ForceField`](crate::ForceField) of what it measures |
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
@@ -67,6 +71,9 @@
 //! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`]; at given velocities, with joints that stick, without rigid-body modes: [`Structure::steady_sliding_at`] |
 //! | where steady sliding becomes unstable along a speed profile, and why vibration begins later | [`Structure::stability_changes`] |
 //! | periodic motions, multipliers, bifurcations, chaos | [`orbit`](crate::orbit) |
+//!
+//! The equations, and what they do not cover, are on the page of
+//! [`Structure`](Structure#what-is-not-covered).
 //!
 //! Stiffnesses and damping constants may be negative. With a negative damping constant, or with a
 //! damping matrix whose symmetric part has a negative eigenvalue, motions can grow without bound.

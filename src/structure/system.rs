@@ -14,14 +14,14 @@ use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
 use crate::friction::memory::ContactLaw;
 
-/// Several masses with springs, dampers and forces that vary in time, and with friction contacts
-/// between masses or on moving surfaces.
+/// Several masses with springs, dampers, nonlinear force elements and forces that vary in time, and
+/// with friction contacts between masses or on moving surfaces.
 ///
 /// ```text
-/// M v' = f(t) − C v − K q − Σ_c b_c λ_c,   v = q',   r_c = b_c·v − w_c(t)
-/// slip:   λ_c = N_c μ_c(r_c)
-/// stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
-/// load:   N_c = N0_c(t) + Σ_j n_cj q_j
+/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c,   v = q'
+/// contacts:  r_c = b_c·v − w_c(t),   N_c = N0_c(t) + Σ_j n_cj q_j
+///            slip:  λ_c = N_c μ_c(r_c)     stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
+/// elements:  F_e = F_e(x_e, y_e),   x_ei = a_ei·q,   y_ei = a_ei·v
 /// ```
 ///
 /// The n coordinates q_i are displacements, angles or modal coordinates. M, C and K are the mass,
@@ -38,6 +38,21 @@ use crate::friction::memory::ContactLaw;
 /// spring](Contact::with_normal_spring) of direction d_c also exerts the force −d_c N_c. In an
 /// [elastic contact](Contact::with_tangential_stiffness) the force of its spring takes the place of
 /// λ_c.
+///
+/// [`ForceElement`] e has the directions a_ei, the positions x_ei and velocities y_ei along them,
+/// the law F_e, a nonlinear function of these, and the factor D_e, 1 unless set. Elements are
+/// numbered from 0 in the order in which they are added.
+///
+/// # What is not covered
+///
+/// * **Inertia that depends on displacements:** M is constant. A pendulum is covered if its pivot
+///   is at rest, a double pendulum or a linkage is not.
+/// * **Delays:** all forces depend on the present state, so regenerative chatter is not covered.
+/// * **Friction in a plane:** each contact slides along its own fixed direction.
+/// * **Rigid impacts:** velocities never jump. A stop is elastic, a
+///   [`Backlash`](crate::Backlash) of its stiffness.
+/// * **Forces that jump** with the displacement. A force that jumps with the sign of a velocity is
+///   friction.
 ///
 /// # Contacts that share masses
 ///
