@@ -325,6 +325,40 @@ fn agree(
     }
 }
 
+/// Two brakes and a clutch hold two shafts on springs, and begin to slip in a mechanism with less
+/// friction: the time of that depends on the springs of both shafts.
+#[test]
+fn mechanisms_have_the_derivatives_of_motions_beside() {
+    let law = || Coulomb::new(1.0, 0.6).unwrap();
+    let contacts = [
+        Contact::new(0, law(), 3.0).unwrap(),
+        Contact::new(1, law(), 5.0).unwrap(),
+        Contact::between(0, 1, law(), 4.0).unwrap(),
+    ];
+    for (size, slipping) in [(12.0, [0, 2]), (-14.0, [0, 2])] {
+        let ring = Structure::new(&[1.0, 1.5])
+            .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_spring(1, 0.7))
+            .and_then(|s| s.with_spring(0, 1, 0.3))
+            .and_then(|s| s.with_force(0, Drive::sine(size, 0.5)?))
+            .and_then(|s| s.with_contacts(contacts.clone()))
+            .unwrap();
+        let start = State::new(&[0.3, -0.2], &[0.0, 0.0]);
+        let (steps, exact) = monodromy(&ring, &start, 3.0).unwrap();
+        let events = sequence(&steps);
+        let first: Vec<usize> = events.iter().take(2).map(|event| event.0).collect();
+        assert_eq!(first, slipping, "{events:?}");
+        for index in 0..2 {
+            let (expected, error) = column(&ring, &start, 3.0, index, &events).unwrap();
+            let apart = (&expected - exact.column(index)).amax();
+            assert!(
+                expected.amax() > 0.1 && error < 1e-7,
+                "{expected} {error:e}"
+            );
+            assert!(apart <= 4.0 * error + 2e-10, "{apart:e} {error:e}");
+        }
+    }
+}
+
 /// A load that jumps from below 0 closes an elastic contact at the time of the jump, whatever the
 /// displacement of its normal spring: δT = k_t(δq_0 − δq_0(1)) from there on.
 #[test]
