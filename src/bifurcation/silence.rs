@@ -200,7 +200,7 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
 /// the friction load γ²/κ, the belt velocity v_b/√κ and the law μ(√κ v_r), in the time √κ τ. κ does
 /// not change the sign of the damping of steady sliding, 2β + γ²dμ̂/ds(|v_b|). The result is
 /// * ∞ if steady sliding is unstable, or if the mass vibrates with every stiffness tried, up to
-///   10⁶;
+///   10⁶: if friction falls with the speed, a large vibration can last with any stiffness;
 /// * 0 if the belt is at rest, or if the mass vibrates with no stiffness tried, down to 10⁻⁶.
 ///
 /// The function encloses κ by doubling or halving, beginning with 1, and narrows the enclosure to
