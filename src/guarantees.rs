@@ -182,6 +182,10 @@
 //!   `structures::identities::clones_stay_together_to_the_bit`.
 //! * **Phase.** The phase of a drive stays exact after any number of periods:
 //!   `structures::identities::many_periods_lose_no_phase`.
+//! * **Functions of time** ([`TimeFunction`](crate::TimeFunction)) are integrated as exactly as
+//!   harmonics, and no step goes over a feature as wide as the timescale that the function names:
+//!   `structures::functions::a_function_that_is_a_harmonic_gives_its_motions`,
+//!   `structures::functions::no_step_goes_over_a_narrow_bump`.
 //! * **One mass on a belt** has the same motion as a `MassOnBelt` and as a `Structure`, two
 //!   separate engines: `structures::two_engines::reference_motions_of_the_belt`,
 //!   `structures::two_engines::random_belts`.

@@ -177,7 +177,7 @@
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the
-//!   velocity amplitude.
+//!   velocity amplitude. A [`TimeFunction`] says itself how narrow its features are.
 //!
 //! # Features
 //!

@@ -105,8 +105,9 @@ pub trait TimeFunction: Sized {
     /// frequency Ω, w for a bump exp(−(t/w)²). [`f64::INFINITY`] where f is constant or a
     /// polynomial.
     ///
-    /// Wherever f is integrated, it is looked at twice at least in this time, so that no narrow
-    /// feature is missed. Much too short a time costs evaluations of f, and is right too.
+    /// In every step f is evaluated twice at least in this time, so that no narrow feature is
+    /// missed, and no step is longer than 512 times this time. Too short a time only costs
+    /// evaluations of f.
     fn timescale(&self, piece: usize) -> f64;
 
     /// Times at which pieces of the function meet: finitely many, ascending. With a

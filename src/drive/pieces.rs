@@ -167,13 +167,14 @@ impl Function {
         let (time, remainder) = clock.times(1.0);
         let start = turn * period;
         let error = turn.mul_add(period, -start);
+        let (time, rest) = Clock::at(time - start).after(remainder - error).times(1.0);
         let last = count.checked_sub(1).and_then(|last| self.marks.get(last));
         Place {
             turn,
             passed: count,
             piece: last.map_or(0, |&(_, piece)| piece),
-            time: time - start,
-            rest: remainder - error,
+            time,
+            rest,
         }
     }
 

@@ -63,7 +63,7 @@
 //! | an elastic stop | a [`Backlash`](crate::Backlash) with its stiffness, on one side or both; rigid impacts are not available |
 //! | a stiffness that varies in time: gear mesh, Mathieu's equation | [`ForceElement::with_factor`] |
 //! | a controller | linear: [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping), with unsymmetric matrices; other: a [`ForceField`](crate::ForceField) of what it measures |
-//! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
+//! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive); a chirp, a shock or a window: [`Drive::function`](crate::Drive::function) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
 //! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`]; sampled along a motion: [`Structure::samples`] |

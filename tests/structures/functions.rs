@@ -333,6 +333,7 @@ fn both_ways(random: &mut Random) -> [Structure; 2] {
         let loads = drive(random, 1.0, 0.3);
         let factors = drive(random, 1.0, 0.4);
         let joint = random.bits().is_multiple_of(3);
+        let elastic = random.bits().is_multiple_of(2);
         for (structure, ((force, belt), (load, factor))) in std::iter::zip(
             &mut both,
             forces
@@ -341,10 +342,16 @@ fn both_ways(random: &mut Random) -> [Structure; 2] {
                 .zip(loads.into_iter().zip(factors)),
         ) {
             let law = Exponential::new(0.5, 0.2, 2.0).unwrap();
-            let contact = if joint && i > 0 {
-                Contact::between(i - 1, i, law, load)
-            } else {
-                Contact::new(i, law, load)
+            // Elastic joints have a constant coefficient.
+            let elastic = elastic.then_some(5.0).filter(|_| joint && i > 0);
+            let contact = match elastic {
+                Some(stiffness) => {
+                    let law = Coulomb::new(0.4, 0.4).unwrap();
+                    Contact::between(i - 1, i, law, load)
+                        .and_then(|contact| contact.with_tangential_stiffness(stiffness))
+                }
+                None if joint && i > 0 => Contact::between(i - 1, i, law, load),
+                None => Contact::new(i, law, load),
             };
             let spring = PolynomialSpring::new(&[0.3, 0.0, 0.2]).unwrap();
             let element = ForceElement::new(i, spring).unwrap();
