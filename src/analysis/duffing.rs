@@ -153,8 +153,8 @@ pub struct Response {
 ///
 /// // m = 1, c = 0.05, k = 1, c3 = 0.5, F_k = 0.1, P = 0.6, ω = 1.4
 /// let [low, middle, high] = response(1.0, 0.05, 1.0, 0.5, 0.1, 0.6, 1.4)[..] else { panic!() };
-/// assert!((low.amplitude - 0.785).abs() < 1e-3); // exact: 0.780 at most
-/// assert!((high.amplitude - 1.837).abs() < 1e-3); // exact: 1.859 at most
+/// assert!((low.amplitude - 0.783).abs() < 1e-3); // exact: 0.780 at most
+/// assert!((high.amplitude - 1.831).abs() < 1e-3); // exact: 1.859 at most
 /// assert!(low.amplitude < middle.amplitude && middle.amplitude < high.amplitude);
 /// assert!(high.third_harmonic < 0.06 && high.error < 0.06);
 /// ```
