@@ -85,14 +85,14 @@ fn main() -> Result<(), Error> {
     let free = linear(STIFFNESS[0]);
     let locked = linear(0.5 * (STIFFNESS[0] + STIFFNESS[1]));
     println!("  load     frequency   amplitude");
-    println!("  0        {:9.6}   {:9.5}   linear", free.0, free.1);
+    println!("  0        {:9.4}   {:9.3}   linear", free.0, free.1);
     let mut peaks = Vec::new();
     for load in [0.01, 1.0, 2.0, 3.0, 4.0, 8.0, 15.0] {
         let (frequency, amplitude) = peak(load)?;
-        println!("{load:5.2}      {frequency:9.6}   {amplitude:9.5}");
+        println!("{load:5.2}      {frequency:9.4}   {amplitude:9.3}");
         peaks.push((frequency, amplitude));
     }
-    println!("  ∞        {:9.6}   {:9.5}   linear", locked.0, locked.1);
+    println!("  ∞        {:9.4}   {:9.3}   linear", locked.0, locked.1);
 
     // Nearly no load: nearly the linear resonance.
     let (frequency, height) = peaks[0];
