@@ -129,6 +129,7 @@ fn reference_motions_are_counted() {
         include_str!("../data/contact_trajectories.json"),
         include_str!("../data/joint_trajectories.json"),
         include_str!("../data/stiff_joint_trajectories.json"),
+        include_str!("../data/force_trajectories.json"),
     ]
     .map(count)
     .iter()
