@@ -40,7 +40,8 @@ impl LocalCurve<'_, '_> {
         along: &'a DVector<f64>,
         distance: f64,
     ) -> Plane<'a> {
-        Plane::beyond(&from.y, distance, along.clone(), along, self.scale)
+        let normal = self.curve.measured(along);
+        Plane::beyond(&from.y, distance, normal, along, self.scale)
     }
 
     /// The point at which the parameter has a value.
@@ -64,7 +65,7 @@ impl LocalCurve<'_, '_> {
     }
 
     pub(super) fn scaled(&self, solved: &Solved) -> DVector<f64> {
-        solved.y.component_div(self.scale)
+        self.curve.scaled(&solved.y, self.scale)
     }
 
     /// The distance between two points, in units of the scales.

@@ -7,9 +7,11 @@ mod directions;
 pub(super) mod end;
 mod events;
 pub(super) mod found;
+mod frozen_start;
 mod motions;
 mod smooth;
 mod special;
+mod start;
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -21,6 +23,7 @@ use self::curve_of_motions::CurveOfMotions;
 use self::directions::{both_ways, first_point};
 use self::events::EventCurve;
 use self::found::{Locus, LocusKind, LocusPoint, SpecialPoint};
+use self::frozen_start::FrozenStart;
 use self::motions::Motions;
 use self::smooth::{Smooth, SmoothCurve};
 use super::branch::{Bifurcation, BifurcationKind};
@@ -29,7 +32,6 @@ use super::map::vector;
 use super::oscillator::{Oscillator, SystemsOfTwo, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::phase_condition::FrozenStart;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::EventKind;
@@ -368,9 +370,10 @@ fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
     let orbit = |point: &Point<E::Value>| {
         let parameters = motions.parameters(&point.y);
         let find = || {
-            let (trial, _) = E::motion(&point.value);
+            let (trial, begin) = E::motion(&point.value);
+            let trial = motions.since_zero(&point.y, trial, begin)?;
             let system = family(parameters[0], parameters[1])?;
-            Orbit::new(&system, &system.form(), trial.clone(), period)
+            Orbit::new(&system, &system.form(), trial, period)
         };
         find().map_err(|error: Error| located(error, parameters))
     };
