@@ -9,6 +9,7 @@
 // | `energy.rs` | energies, work and heat |
 // | `steady.rs`, `sliding_field.rs` | steady sliding and its eigenvalues; the equations near it |
 // | `steady_at.rs` | steady sliding at given velocities |
+// | `equilibrium.rs` | its displacements, by Newton's method where forces are nonlinear |
 // | `freedom.rs` | directions in which a structure can be moved without any change of a force |
 // | `stability_changes.rs` | stability of steady sliding while drives vary slowly |
 // | `read.rs` | how structures are written and read (feature `serde`) |
@@ -134,6 +135,7 @@ mod contact;
 mod elastic;
 mod energy;
 pub(crate) mod engine;
+mod equilibrium;
 mod flow;
 mod force_element;
 pub(crate) mod freedom;

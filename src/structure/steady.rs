@@ -136,18 +136,29 @@ impl Structure {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn steady_sliding_from(&self, displacements: &[f64]) -> Result<SteadySliding, Error> {
-        if displacements.len() != self.len() {
-            return Err(Error::WrongSize {
-                name: "displacements",
-                found: displacements.len(),
-                expected: self.len(),
-            });
-        }
-        for &displacement in displacements {
-            Error::check("Structure", "displacement", displacement, true, "any size")?;
-        }
+        check_numbers(self, ["displacements", "displacement"], displacements)?;
         SteadySliding::of(SlidingField::from(&self.model(), displacements)?)
     }
+}
+
+/// Checks that there is a finite number for each coordinate; their name, and that of one of them.
+pub(super) fn check_numbers(
+    structure: &Structure,
+    [name, one]: [&'static str; 2],
+    numbers: &[f64],
+) -> Result<(), Error> {
+    let (found, expected) = (numbers.len(), structure.len());
+    if found != expected {
+        return Err(Error::WrongSize {
+            name,
+            found,
+            expected,
+        });
+    }
+    for &number in numbers {
+        Error::check("Structure", one, number, true, "any size")?;
+    }
+    Ok(())
 }
 
 impl SteadySliding {

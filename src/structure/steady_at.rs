@@ -1,7 +1,7 @@
 //! Steady sliding at given velocities: rigid-body motions are left out, and contacts may stick.
 
 use super::sliding_field::SlidingField;
-use super::steady::SteadySliding;
+use super::steady::{SteadySliding, check_numbers};
 use super::system::Structure;
 use crate::error::Error;
 
@@ -78,16 +78,7 @@ impl Structure {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn steady_sliding_at(&self, velocities: &[f64]) -> Result<SteadySliding, Error> {
-        if velocities.len() != self.len() {
-            return Err(Error::WrongSize {
-                name: "velocities",
-                found: velocities.len(),
-                expected: self.len(),
-            });
-        }
-        for &velocity in velocities {
-            Error::check("Structure", "velocity", velocity, true, "any size")?;
-        }
+        check_numbers(self, ["velocities", "velocity"], velocities)?;
         let model = self.model();
         SteadySliding::of(SlidingField::at(&model, velocities)?)
     }

@@ -75,7 +75,11 @@ fn decided(structure: &Structure) -> Pattern {
     let start = State::at_rest(structure.len());
     let mut flow = Integrator::new().flow(structure, start).unwrap();
     let step = flow.find(|step| step.as_ref().unwrap().duration() > 0.0);
-    let modes = step.unwrap().unwrap().modes().to_vec();
+    pattern_of(step.unwrap().unwrap().modes())
+}
+
+/// The modes of contacts as a pattern.
+pub(crate) fn pattern_of(modes: &[Mode]) -> Pattern {
     let sign = |mode: &Mode| match mode {
         Mode::Slip(direction) => direction.sign() as i8,
         _ => 0,

@@ -537,6 +537,10 @@ fn steady_sliding_is_found_with_nonlinear_forces() {
         assert!((sliding.eigenvalues[0].im - frequency).abs() < 1e-14 * frequency);
         assert!(sliding.eigenvalues[0].re.abs() < 1e-14 * frequency);
     }
+    // Without a load nothing tells where a spring without a stiffness at rest gets one.
+    let idle = sprung(PolynomialSpring::new(&[0.0, 0.0, 1.0]).unwrap());
+    let error = idle.steady_sliding().unwrap_err();
+    assert_eq!(error, Error::NoSteadySliding(NotSliding::Singular));
     // A pendulum carries a moment of 1 at most.
     let pendulum = rubbing(Pendulum::new(1.0, 1.0).unwrap(), 4.0)
         .steady_sliding()

@@ -8,6 +8,7 @@ use stick_slip::{
 };
 
 use crate::common::{Random, count};
+use crate::decisions::pattern_of;
 use crate::naive::{Pattern, Question};
 
 fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
@@ -218,12 +219,7 @@ impl Tie {
             step.duration() > 0.0 && step.start_time() >= 1.0 - 1e-13
         };
         let step = flow.find(|step| after(step.as_ref().unwrap()));
-        let modes = step.unwrap().unwrap().modes().to_vec();
-        let sign = |mode: &Mode| match mode {
-            Mode::Slip(direction) => direction.sign() as i8,
-            _ => 0,
-        };
-        modes.iter().map(sign).collect()
+        pattern_of(step.unwrap().unwrap().modes())
     }
 }
 

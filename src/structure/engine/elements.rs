@@ -78,7 +78,7 @@ pub(super) fn force_fault(series: &Series) -> Option<LawFault> {
 /// The first element whose force has a singular point close to the position at the start, if steps
 /// have become too short: a pole if the force grows towards it.
 pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFault> {
-    /// Distance of the point, in units of the position or of the nearest breakpoint's scale.
+    /// Largest distance of the point, as a part of the position; of positions below this, of this.
     const CLOSE: f64 = 1e-6;
     let elements = std::iter::zip(&model.elements, &series.elements).enumerate();
     let mut faults = elements.filter_map(|(element, (data, of))| {

@@ -40,23 +40,23 @@ pub(super) fn first_firings(
 ) -> Result<f64, TooCurved> {
     let elapsed = situation.clock.time.abs();
     let slack = |end: f64| TOGETHER * f64::EPSILON * (elapsed + end);
+    // Beyond the first event only those within rounding of it count.
+    let limit = |end: f64| if end < h { h.min(end + slack(end)) } else { h };
     let mut end = h;
     firings.contacts.clear();
     firings.mechanisms.clear();
     firings.passages.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
-        let limit = if end < h { h.min(end + slack(end)) } else { h };
         let (state, series) = (&situation.contacts[c], &series.contacts[c]);
-        let firing = first_firing(state, series, &contact.breakpoints, limit, slack)?;
+        let firing = first_firing(state, series, &contact.breakpoints, limit(end), slack)?;
         if let Some((time, _)) = firing {
             end = end.min(time);
         }
         firings.contacts.push(firing);
     }
     for mechanism in &situation.mechanisms {
-        let limit = if end < h { h.min(end + slack(end)) } else { h };
         let distance = |side| mechanism.distance(model, series, side);
-        let firing = bound_firing(distance, limit)?;
+        let firing = bound_firing(distance, limit(end))?;
         if let Some((time, _)) = firing {
             end = end.min(time);
         }
@@ -64,8 +64,7 @@ pub(super) fn first_firings(
     }
     let elements = std::iter::zip(&situation.elements, &series.elements);
     for (element, (state, of)) in std::iter::zip(&model.elements, elements) {
-        let limit = if end < h { h.min(end + slack(end)) } else { h };
-        let passage = first_passage(element, state, of, limit)?;
+        let passage = first_passage(element, state, of, limit(end))?;
         if let Some(passage) = passage {
             end = end.min(passage.time);
         }

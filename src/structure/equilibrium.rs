@@ -1,0 +1,353 @@
+//! The equilibrium of steady sliding: linear equations, and Newton's method where forces are
+//! nonlinear.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::engine::element::ElementTangent;
+use super::engine::model::Model;
+use super::freedom::{direction_row, elastic_rows, null_space, units};
+use crate::error::NotSliding;
+
+/// Accelerations, and singular values, below this part of the largest are rounding.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// The equations of steady sliding, K q + Σ D M⁻¹a_i F_i(a·q, 0) = f, all divided by M.
+pub(super) struct Equilibrium<'e, 'm, 's> {
+    pub(super) model: &'m Model<'s>,
+    /// With the loads of friction that follow displacements.
+    pub(super) stiffness: DMatrix<f64>,
+    pub(super) right: DVector<f64>,
+    /// Those at which contacts stick; `None` for masses at rest.
+    pub(super) velocities: Option<&'e [f64]>,
+    pub(super) sticking: &'e [usize],
+}
+
+/// Bound of the iterations of Newton's method.
+const MOST_ITERATIONS: usize = 200;
+
+/// The least part by which a whole step of Newton's method is shorter than the one before: near a
+/// root of order p steps shrink by the factor 1 − 1/p.
+const LEAST_GAIN: f64 = 1.0 / 64.0;
+
+/// The least part of a step of Newton's method.
+const LEAST_PART: f64 = 1.0 / 1024.0;
+
+/// Number of the steps in which the load is raised if no equilibrium is found under the whole load.
+const LOAD_STEPS: usize = 8;
+
+impl Equilibrium<'_, '_, '_> {
+    /// The equilibrium near these displacements, and the force elements in it.
+    pub(super) fn solve(
+        &self,
+        start: &[f64],
+    ) -> Result<(Balance, Vec<ElementTangent>), NotSliding> {
+        if self.model.elements.is_empty() {
+            return Ok((self.linearised(&[], 1.0)?, Vec::new()));
+        }
+        let start = DVector::from_column_slice(start);
+        let mut found = self.newton(start.clone(), 1.0);
+        if let Err(NotSliding::NotFound { .. } | NotSliding::Singular) = found {
+            found = self.raise_load(start);
+        }
+        let balance = found?;
+        let elements = self.tangents(&balance.displacements);
+        for (number, (element, tangent)) in
+            std::iter::zip(&self.model.elements, &elements).enumerate()
+        {
+            let position = tangent.positions[0];
+            let size = element.directions[0].iter();
+            let size = size
+                .map(|&(j, a)| (a * balance.displacements[j]).abs())
+                .sum::<f64>();
+            let is_at = |b: &f64| (position - b).abs() <= 8.0 * f64::EPSILON * size.max(b.abs());
+            if element.breakpoints.iter().any(is_at) {
+                let element = number;
+                return Err(NotSliding::AtBreakpoint { element, position });
+            }
+        }
+        Ok((balance, elements))
+    }
+
+    /// Raises the load step by step, each from the equilibrium before.
+    fn raise_load(&self, start: DVector<f64>) -> Result<Balance, NotSliding> {
+        let mut q = start;
+        let mut last = Err(NotSliding::Singular);
+        for step in 1..=LOAD_STEPS {
+            let load = step as f64 / LOAD_STEPS as f64;
+            // A force without a slope at rest, such as that of a cubic spring alone.
+            let push = self.right.try_normalize(0.0).map(|push| &q + push);
+            let found = match (self.newton(q, load), push) {
+                (Err(NotSliding::Singular), Some(pushed)) => self.newton(pushed, load),
+                (found, _) => found,
+            };
+            q = match &found {
+                Ok(balance) => balance.displacements.clone(),
+                Err(NotSliding::NotFound { residual, .. }) => {
+                    let load = (step - 1) as f64 / LOAD_STEPS as f64;
+                    let residual = *residual;
+                    return Err(NotSliding::NotFound { residual, load });
+                }
+                Err(_) => return found,
+            };
+            last = found;
+        }
+        last
+    }
+
+    /// Newton's method under a part of the load. A step is halved while the step after it would be
+    /// longer.
+    fn newton(&self, mut q: DVector<f64>, load: f64) -> Result<Balance, NotSliding> {
+        let mut balance = self.linearised(&self.tangents(&q), load)?;
+        let mut step = &balance.displacements - &q;
+        for _ in 0..MOST_ITERATIONS {
+            let least = 4.0 * f64::EPSILON * q.amax().max(balance.displacements.amax());
+            if step.amax() <= least {
+                return Ok(balance);
+            }
+            let mut part = 1.0;
+            let (next, then) = loop {
+                let next = &q + &step * part;
+                let then = self.linearised(&self.tangents(&next), load);
+                let shorter = |balance: &Balance| {
+                    let after = (&balance.displacements - &next).amax();
+                    after <= (1.0 - LEAST_GAIN * part) * step.amax() || after <= least
+                };
+                match then {
+                    Ok(then) if shorter(&then) => break (next, then),
+                    _ if part <= LEAST_PART => {
+                        // Rounding errors alone are left.
+                        if step.amax() <= 1e-10 * q.amax() {
+                            return Ok(balance);
+                        }
+                        return Err(self.not_found(&q, load));
+                    }
+                    _ => part *= 0.5,
+                }
+            };
+            (step, q, balance) = (&then.displacements - &next, next, then);
+        }
+        Err(self.not_found(&q, load))
+    }
+
+    fn not_found(&self, q: &DVector<f64>, load: f64) -> NotSliding {
+        let mut left = &self.right * load - &self.stiffness * q;
+        for (element, tangent) in std::iter::zip(&self.model.elements, self.tangents(q)) {
+            let factor = element.factor.value(0.0);
+            for (response, force) in std::iter::zip(&element.responses, &tangent.forces) {
+                response
+                    .iter()
+                    .for_each(|&(i, x)| left[i] -= x * factor * force);
+            }
+        }
+        NotSliding::NotFound {
+            residual: left.amax(),
+            load: 0.0,
+        }
+    }
+
+    /// The force elements at these displacements.
+    fn tangents(&self, q: &DVector<f64>) -> Vec<ElementTangent> {
+        let at_rest = vec![0.0; q.len()];
+        let elements = self.model.elements.iter();
+        elements
+            .map(|element| element.tangent(q.as_slice(), &at_rest))
+            .collect()
+    }
+
+    /// The equilibrium with force elements in place of which their tangents act.
+    fn linearised(&self, tangents: &[ElementTangent], load: f64) -> Result<Balance, NotSliding> {
+        let (mut stiffness, mut right) = (self.stiffness.clone(), &self.right * load);
+        for (element, tangent) in std::iter::zip(&self.model.elements, tangents) {
+            let factor = element.factor.value(0.0);
+            for (k, response) in element.responses.iter().enumerate() {
+                let by_positions = std::iter::zip(&tangent.slopes, &tangent.positions);
+                let changes = by_positions.map(|(slopes, x)| slopes[k] * x);
+                let force = factor * (tangent.forces[k] - changes.sum::<f64>());
+                let slopes = std::iter::zip(element.directions, &tangent.slopes);
+                for &(i, x) in response {
+                    right[i] -= x * force;
+                    for (direction, slopes) in slopes.clone() {
+                        for &(j, a) in direction {
+                            stiffness[(i, j)] += x * factor * slopes[k] * a;
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(velocities) = self.velocities {
+            return Balance::of(self.model, (stiffness, right), velocities, self.sticking);
+        }
+        Ok(Balance {
+            displacements: solve(&stiffness, &right)?,
+            accelerations: DVector::zeros(right.len()),
+            forces: Vec::new(),
+        })
+    }
+}
+
+/// Steady sliding at given velocities.
+pub(super) struct Balance {
+    pub(super) displacements: DVector<f64>,
+    /// Those of rigid-body motions.
+    pub(super) accelerations: DVector<f64>,
+    /// Forces of the contacts that stick.
+    pub(super) forces: Vec<f64>,
+}
+
+impl Balance {
+    /// The displacements q, the accelerations a of the rigid-body motions E and the forces λ of
+    /// contacts that stick, with directions B:
+    ///
+    /// ```text
+    /// K q + M a + B λ = f,    a = E α,    Bᵀa = 0
+    /// ```
+    ///
+    /// q has no part along E. Where balance leaves forces undetermined, they have the least sum of
+    /// squares: contacts carry nothing that springs can carry. All rows are multiplied by M⁻¹.
+    fn of(
+        model: &Model<'_>,
+        (stiffness, right): (DMatrix<f64>, DVector<f64>),
+        velocities: &[f64],
+        sticking: &[usize],
+    ) -> Result<Self, NotSliding> {
+        let n = model.len();
+        let rows = elastic_rows(model);
+        let fastest = velocities.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        for row in &rows {
+            // In units in which no sum overflows.
+            let terms = row.iter().zip(velocities);
+            let terms = terms.map(|(k, v)| (k / row.amax()) * (v / fastest));
+            let [sum, size] = terms.fold([0.0, 0.0], |[sum, size], x| [sum + x, size + x.abs()]);
+            // NaN for a row of zeros and for rest, which change no force.
+            if f64::abs(sum) > ROUNDING * size {
+                let moves = |j: &usize| row[*j] * velocities[*j] != 0.0;
+                let coordinate = (0..n).find(moves).unwrap_or(0);
+                return Err(NotSliding::Deforms { coordinate });
+            }
+        }
+        let motions = null_space(model, &rows);
+        if motions.is_empty() {
+            return Ok(Self {
+                displacements: solve(&stiffness, &right)?,
+                accelerations: DVector::zeros(n),
+                forces: vec![0.0; sticking.len()],
+            });
+        }
+        // In units of one energy, and each unknown in a unit that makes the entries of one size.
+        let units = units(model);
+        let unit = |x: &DVector<f64>| DVector::from_fn(n, |j, _| x[j] / units[j]).normalize();
+        let motions: Vec<DVector<f64>> = motions.iter().map(unit).collect();
+        let motions = DMatrix::from_columns(&motions);
+        let along = sticking.iter().map(|&c| {
+            let row = direction_row(model, c);
+            DVector::from_fn(n, |j, _| row[j] * units[j])
+        });
+        let along: Vec<DVector<f64>> = along.collect();
+        // The combinations of forces that rigid-body motions feel.
+        let combined = if along.is_empty() {
+            DMatrix::zeros(0, 0)
+        } else {
+            // A contact within what moves as a whole feels nothing but rounding.
+            let felt = DMatrix::from_fn(along.len(), motions.ncols(), |c, j| {
+                let felt = along[c].dot(&motions.column(j));
+                if felt.abs() > ROUNDING * along[c].norm() {
+                    felt
+                } else {
+                    0.0
+                }
+            });
+            let svd = felt.svd(true, false);
+            let least = ROUNDING * svd.singular_values.amax();
+            let counts = |i: &usize| svd.singular_values[*i] > least;
+            let kept: Vec<usize> = (0..svd.singular_values.len()).filter(counts).collect();
+            svd.u.ok_or(NotSliding::Singular)?.select_columns(&kept)
+        };
+        let (d, r) = (motions.ncols(), combined.ncols());
+        let mut matrix = DMatrix::zeros(n + d + r, n + d + r);
+        let scaled = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[j] / units[i]);
+        let size = Some(scaled.amax())
+            .filter(|size| *size > 0.0)
+            .unwrap_or(1.0);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&scaled);
+        matrix
+            .view_mut((0, n), (n, d))
+            .copy_from(&(&motions * size));
+        matrix
+            .view_mut((n, 0), (d, n))
+            .copy_from(&(motions.transpose() * size));
+        let mut force_units = Vec::new();
+        for j in 0..r {
+            let force = (0..along.len()).fold(DVector::zeros(n), |sum, c| {
+                sum + &along[c] * combined[(c, j)]
+            });
+            let (unit, felt) = (force.norm(), motions.transpose() * &force);
+            let response = inverse_mass_times(model, &units, &force);
+            matrix
+                .view_mut((0, n + d + j), (n, 1))
+                .copy_from(&(response * (size / unit)));
+            matrix
+                .view_mut((n + d + j, n), (1, d))
+                .copy_from(&(felt.transpose() * (size / unit)));
+            force_units.push(size / unit);
+        }
+        let forces = DVector::from_fn(n, |i, _| right[i] / units[i]);
+        let found = solve(&matrix, &forces.clone().resize_vertically(n + d + r, 0.0))?;
+        let accelerations = &motions * found.rows(n, d) * size;
+        let rounding = ROUNDING * forces.amax().max(scaled.amax() * found.rows(0, n).amax());
+        let accelerations = DVector::from_fn(n, |j, _| match accelerations[j] {
+            a if a.abs() <= rounding => 0.0,
+            a => a * units[j],
+        });
+        let carried = |c: usize| (0..r).map(move |j| (c, j));
+        Ok(Self {
+            displacements: DVector::from_fn(n, |j, _| found[j] * units[j]),
+            accelerations,
+            forces: (0..along.len())
+                .map(|c| {
+                    let parts = carried(c);
+                    let parts =
+                        parts.map(|(c, j)| combined[(c, j)] * found[n + d + j] * force_units[j]);
+                    parts.sum()
+                })
+                .collect(),
+        })
+    }
+}
+
+/// M⁻¹ b in units of one energy, of a direction in these units.
+pub(super) fn inverse_mass_times(
+    model: &Model<'_>,
+    units: &[f64],
+    force: &DVector<f64>,
+) -> DVector<f64> {
+    DVector::from_fn(units.len(), |i, _| {
+        let (own, beside) = model.inverse_mass.row(i);
+        let sum = beside.iter().map(|&(j, a)| a * force[j] / units[j]);
+        (own * force[i] / units[i] + sum.sum::<f64>()) / units[i]
+    })
+}
+
+/// The solution of A x = b.
+///
+/// # Errors
+///
+/// [`NotSliding::Singular`] if A is singular to rounding, [`NotSliding::Overflow`] if a number is
+/// not finite.
+fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NotSliding> {
+    let largest = a.amax();
+    if !a.iter().chain(b.iter()).all(|x| x.is_finite()) {
+        return Err(NotSliding::Overflow);
+    }
+    let lu = a.clone().lu();
+    let pivots = lu.u().diagonal();
+    let least = f64::EPSILON * a.nrows() as f64 * largest;
+    if !pivots.iter().all(|pivot| pivot.abs() > least) {
+        return Err(NotSliding::Singular);
+    }
+    let found = lu.solve(b).ok_or(NotSliding::Singular)?;
+    if found.iter().all(|x| x.is_finite()) {
+        Ok(found)
+    } else {
+        Err(NotSliding::Overflow)
+    }
+}
