@@ -38,7 +38,7 @@ impl ContactLaw for ElastoPlastic {
     fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
         None
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         let Motion::Slip(slip) = motion else {
             return [z.constant(0.0)];
         };

@@ -121,7 +121,7 @@ impl<'e> Equations<'e> {
                 if joint.takes_slip {
                     slip[k] = sum_of::<W, FUSED>([0.0; W], &contact.direction, v, k);
                 }
-                if joint.reacts || joint.by_load.is_some() {
+                if joint.takes_load() {
                     load[k] = sum_of::<W, FUSED>([0.0; W], &contact.load_gradient, q, k);
                 }
                 if joint.acts() {
@@ -142,6 +142,9 @@ impl<'e> Equations<'e> {
                 for (j, coefficients) in joint.rates.iter().enumerate() {
                     let mut sum = [0.0; W];
                     convolve_all::<W, FUSED>(&mut sum, coefficients, (slip, z), k);
+                    if let Some(by_load) = joint.rates_by_load.get(j) {
+                        convolve::<W, FUSED>(&mut sum, by_load, load, k);
+                    }
                     z[j][k + 1] = times(&sum, INTEGRAL[k]);
                 }
             }

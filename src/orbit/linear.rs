@@ -4,7 +4,7 @@
 use super::coefficient::{Coefficient, product};
 use super::elements::ElementDerivatives;
 use crate::friction::memory::object::Derivative;
-use crate::friction::memory::{Motion, Slip};
+use crate::friction::memory::{Input, Motion, Slip};
 use crate::motion::{Mode, Segment};
 use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
@@ -70,6 +70,8 @@ pub(super) struct ContactDerivatives {
     pub(super) by_load: Option<Coefficient>,
     /// ∂z_j'/∂r, then ∂z_j'/∂z_l: a row for each j.
     pub(super) rates: Vec<Vec<Coefficient>>,
+    /// ∂z_j'/∂N; none under a load that does not follow displacements.
+    pub(super) rates_by_load: Vec<Coefficient>,
     /// True for each memory variable z_j on which the law depends in this mode.
     pub(super) depends: Vec<bool>,
 }
@@ -80,6 +82,11 @@ impl ContactDerivatives {
         !self.friction.is_empty() || self.by_load.is_some()
     }
 
+    /// Returns true if perturbations of the load change anything.
+    pub(super) fn takes_load(&self) -> bool {
+        self.reacts || self.by_load.is_some() || !self.rates_by_load.is_empty()
+    }
+
     /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         let one = |of: &Coefficient| of.shifted(time);
@@ -88,6 +95,7 @@ impl ContactDerivatives {
             friction: all(&self.friction),
             by_load: self.by_load.as_ref().map(one),
             rates: self.rates.iter().map(all).collect(),
+            rates_by_load: all(&self.rates_by_load),
             depends: self.depends.clone(),
             ..*self
         }
@@ -156,6 +164,7 @@ impl ContactAlong<'_> {
             friction: Vec::new(),
             by_load: None,
             rates: vec![Vec::new(); count],
+            rates_by_load: Vec::new(),
             depends: vec![false; count],
         };
         match mode {
@@ -191,26 +200,51 @@ impl ContactAlong<'_> {
     fn derivative(
         &self,
         joint: &mut ContactDerivatives,
-        motion: Motion<&PowerSeries>,
-        by: Option<usize>,
+        (motion, load): (Motion<&PowerSeries>, &PowerSeries),
+        by: Input,
     ) -> Derivative {
-        let derivative = self.contact.law.derivative(motion, self.memories, by);
-        if let Some(j) = by {
+        let derivative = self.contact.law.derivative(motion, load, self.memories, by);
+        if let Input::Memory(j) = by {
             joint.depends[j] |= derivative.depends;
         }
-        for (row, rate) in joint.rates.iter_mut().zip(&derivative.rates) {
-            row.push((*rate).into());
+        let rates = derivative.rates.iter().map(|rate| Coefficient::from(*rate));
+        if by == Input::Load {
+            joint.rates_by_load = rates.collect();
+        } else {
+            for (row, rate) in std::iter::zip(&mut joint.rates, rates) {
+                row.push(rate);
+            }
         }
         derivative
+    }
+
+    /// The derivatives of the rates of the memory by the load, if it follows displacements.
+    fn by_load(
+        &self,
+        joint: &mut ContactDerivatives,
+        (motion, load): (Motion<&PowerSeries>, &PowerSeries),
+    ) {
+        if joint.rates.is_empty() || self.contact.load_gradient.is_empty() {
+            return;
+        }
+        if !self.derivative(joint, (motion, load), Input::Load).depends {
+            joint.rates_by_load.clear();
+        }
     }
 
     fn stick(&self, joint: &mut ContactDerivatives) {
         for row in &mut joint.rates {
             row.push(PowerSeries::ZERO.into());
         }
-        for j in 0..joint.rates.len() {
-            self.derivative(joint, Motion::Stick, Some(j));
+        if joint.rates.is_empty() {
+            return;
         }
+        let load = self.load(self.step.state());
+        let motion = (Motion::Stick, &load);
+        for j in 0..joint.rates.len() {
+            self.derivative(joint, motion, Input::Memory(j));
+        }
+        self.by_load(joint, motion);
     }
 
     fn slip(&self, joint: &mut ContactDerivatives, direction: f64) {
@@ -229,18 +263,21 @@ impl ContactAlong<'_> {
             direction,
             piece: contact.piece_above(middle),
         });
-        let by_speed = self.derivative(joint, motion, None);
+        let given = (motion, &load);
+        let load = load.scaled(contact.compliance);
+        let by_speed = self.derivative(joint, given, Input::Speed);
         joint.friction.push(product(&load, &by_speed.slope).into());
         if !contact.load_gradient.is_empty() {
             joint.by_load = Some(by_speed.coefficient.scaled(contact.compliance).into());
         }
         for j in 0..joint.rates.len() {
-            let by_memory = self.derivative(joint, motion, Some(j));
+            let by_memory = self.derivative(joint, given, Input::Memory(j));
             joint.friction.push(product(&load, &by_memory.slope).into());
         }
+        self.by_load(joint, given);
     }
 
-    /// The series of N G_cc.
+    /// The series of N.
     fn load(&self, start: &State) -> PowerSeries {
         let mut load = self.contact.load.series(self.step.clock());
         for &(j, gradient) in &self.contact.load_gradient {
@@ -250,6 +287,15 @@ impl ContactAlong<'_> {
                 load[k] = mul_add(gradient, velocity[k - 1] * INTEGRAL[k - 1], load[k]);
             }
         }
-        load.scaled(self.contact.compliance)
+        load
     }
+}
+
+/// The load N of a contact at the end of a step, and its rate.
+pub(super) fn load_at_end(contact: &ContactData<'_>, step: &Step) -> [f64; 2] {
+    let (given, state) = (contact.load.series(step.clock()), step.end_state());
+    [
+        given.at(step.duration()) + contact.displacement_load(|j| state.displacements[j]),
+        given.slope_at(step.duration()) + contact.displacement_load(|j| state.velocities[j]),
+    ]
 }

@@ -26,7 +26,7 @@
 
 use nalgebra::{DMatrix, RowDVector};
 
-use super::linear::Linear;
+use super::linear::{Linear, load_at_end};
 use super::tangent::TangentFlow;
 use crate::clock::Clock;
 use crate::friction::memory::object::LawObject;
@@ -58,20 +58,23 @@ struct Delay {
     coordinates: Vec<bool>,
 }
 
-/// The law of one contact.
+/// The law of one contact, and the load N under which its memory changes.
 #[derive(Clone, Copy)]
-struct LawAt<'l>(&'l dyn LawObject);
+struct LawAt<'l> {
+    law: &'l dyn LawObject,
+    load: f64,
+}
 
 impl LawAt<'_> {
     /// μ with the sign of r, at the begin or end of slip.
     fn coefficient(self, side: Direction, memory: &[f64]) -> f64 {
-        self.0.coefficient(at_zero(side), &|j| memory[j])
+        self.law.coefficient(at_zero(side), &|j| memory[j])
     }
 
     fn rates(self, motion: Motion<f64>, memory: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; memory.len()];
         let take = &mut |j: usize, rate| rates[j] = rate;
-        self.0.rates(motion, &|j| memory[j], take);
+        self.law.rates(motion, self.load, &|j| memory[j], take);
         rates
     }
 
@@ -82,7 +85,7 @@ impl LawAt<'_> {
 
     fn caught(self, memory: &[f64]) -> Vec<f64> {
         let mut caught = memory.to_vec();
-        self.0.caught(&mut caught);
+        self.law.caught(&mut caught);
         caught
     }
 
@@ -108,8 +111,8 @@ impl LawAt<'_> {
 
     /// μ_s and its slopes over the memory.
     fn limit(self, memory: &[f64]) -> (f64, Vec<f64>) {
-        let value = self.0.limit(&|j| memory[j]);
-        let slope = |j: usize| self.0.limit_slope(memory, j);
+        let value = self.law.limit(&|j| memory[j]);
+        let slope = |j: usize| self.law.limit_slope(memory, j);
         (
             value.unwrap_or(f64::NAN),
             (0..memory.len()).map(slope).collect(),
@@ -167,8 +170,13 @@ impl Passage {
 }
 
 impl TangentFlow<'_> {
-    fn law(&self, contact: usize) -> LawAt<'_> {
-        LawAt(self.form.model.contacts[contact].law)
+    /// The law of a contact at the end of a step.
+    fn law(&self, step: &Step, contact: usize) -> LawAt<'_> {
+        let data = &self.form.model.contacts[contact];
+        LawAt {
+            law: data.law,
+            load: load_at_end(data, step)[0],
+        }
     }
 
     /// The rows of the tangents for the memory of a contact.
@@ -200,8 +208,12 @@ impl TangentFlow<'_> {
             }
             let variable = |j: usize| self.start.memory.get(j).copied().unwrap_or(0.0);
             let memory: Vec<f64> = model.memory(number).map(variable).collect();
-            let law = LawAt(contact.law);
-            let slopes = slopes_of(&|memory| law.caught(memory), &memory);
+            let caught = |memory: &[f64]| {
+                let mut caught = memory.to_vec();
+                contact.law.caught(&mut caught);
+                caught
+            };
+            let slopes = slopes_of(&caught, &memory);
             let rows = self.memory_rows(number);
             let (first, count) = (rows.start, rows.len());
             let before = self.tangents.rows(first, count).into_owned();
@@ -252,7 +264,7 @@ impl TangentFlow<'_> {
         (contact, owned): (usize, usize),
         kind: EventKind,
     ) -> Vec<(usize, RowDVector<f64>)> {
-        let law = self.law(contact);
+        let law = self.law(step, contact);
         let at = self.instant(step, (contact, owned));
         let velocity = self.form.len() + at.coordinate;
         let never = self.row(velocity) * 0.0;
@@ -274,13 +286,13 @@ impl TangentFlow<'_> {
             changes.push((velocity, self.row(velocity) + &later * jump));
         }
         let passage = self.passage(step, contact, kind, &at.memory);
-        changes.extend(self.changed_memory(contact, &passage, &at.memory, &later));
+        changes.extend(self.changed_memory((step, contact), &passage, &at.memory, &later));
         changes
     }
 
     /// The jump of the memory of a contact at an event.
     fn passage(&self, step: &Step, contact: usize, kind: EventKind, memory: &[f64]) -> Passage {
-        let (law, mode) = (self.law(contact), step.modes()[contact]);
+        let (law, mode) = (self.law(step, contact), step.modes()[contact]);
         let mut passage = Passage::of(law, mode, kind, memory);
         let rates = match kind {
             EventKind::Open => &mut passage.before,
@@ -308,12 +320,12 @@ impl TangentFlow<'_> {
     /// The rows of a contact's memory that change at an event delayed by δt.
     fn changed_memory(
         &self,
-        contact: usize,
+        (step, contact): (&Step, usize),
         passage: &Passage,
         memory: &[f64],
         later: &RowDVector<f64>,
     ) -> Vec<(usize, RowDVector<f64>)> {
-        let (law, rows) = (self.law(contact), self.memory_rows(contact));
+        let (law, rows) = (self.law(step, contact), self.memory_rows(contact));
         let (first, count) = (rows.start, rows.len());
         let slopes = if passage.caught {
             slopes_of(&|memory| law.caught(memory), memory)
@@ -388,7 +400,7 @@ impl TangentFlow<'_> {
                 (EventKind::Open | EventKind::Close, _) => &self.load_later(step, contact),
                 (_, delay) => delay.map_or(&never, |delay| &delay.later),
             };
-            changes.extend(self.changed_memory(contact, &passage, memory, later));
+            changes.extend(self.changed_memory((step, contact), &passage, memory, later));
             let (Some(own), Some(first)) = (own, first) else {
                 continue;
             };
@@ -396,10 +408,8 @@ impl TangentFlow<'_> {
                 continue;
             }
             // Its own part of the jump has its own delay.
-            let load = data.load.series(step.clock()).at(step.duration())
-                + data.displacement_load(|j| event.state.displacements[j]);
-            let (law, mode) = (self.law(contact), step.modes()[contact]);
-            let jump = law.jump(mode, event.kind, load * data.compliance, memory);
+            let (law, mode) = (self.law(step, contact), step.modes()[contact]);
+            let jump = law.jump(mode, event.kind, law.load * data.compliance, memory);
             let apart = &own.later - &first.later;
             for (row, change) in &mut changes {
                 let part = row.checked_sub(n).map_or(0.0, |j| data.response(j));
@@ -430,17 +440,15 @@ impl TangentFlow<'_> {
                 let mut gradient = self.row(0) * 0.0;
                 for &(number, weight) in parts {
                     let contact = &model.contacts[number];
-                    let (limit, slopes) =
-                        self.law(number).limit(&state.memory[model.memory(number)]);
-                    let load = contact.load.series(step.clock()).at(h)
-                        + contact.displacement_load(|j| state.displacements[j]);
+                    let law = self.law(step, number);
+                    let (limit, slopes) = law.limit(&state.memory[model.memory(number)]);
                     gradient += self.carried_gradient(step, linear, number) * weight;
                     let scale = weight.abs() * contact.compliance;
                     for &(j, a) in &contact.load_gradient {
                         gradient += self.row(j) * (-limit * a * scale);
                     }
                     for (row, slope) in std::iter::zip(self.memory_rows(number), slopes) {
-                        gradient += self.row(row) * (-load * scale * slope);
+                        gradient += self.row(row) * (-law.load * scale * slope);
                     }
                 }
                 gradient * -rate.recip()
@@ -540,19 +548,17 @@ impl TangentFlow<'_> {
         let slope = |series: &PowerSeries| series.derivative().at(h);
         let surface = contact.belt_velocity.series(step.clock());
         let force = model.forces[i].series(step.clock());
-        let load = contact.load.series(step.clock());
         let acceleration = |j: usize| slope(&step.series()[j]);
         let velocity = |j: usize| state.velocities[j];
         let own = [velocity(i), acceleration(i)];
         let carried_rate = slope(&force) * contact.compliance - slope(&surface.derivative())
             + model.restoring(i, own, velocity, acceleration)
             + self.spring_rate(step, i);
-        let by_displacements = contact.displacement_load(velocity);
-        let load_now = load.at(h) + contact.displacement_load(|j| state.displacements[j]);
+        let [load, load_rate] = load_at_end(contact, step).map(|load| load * contact.compliance);
         Instant {
             coordinate: i,
-            load: load_now * contact.compliance,
-            load_rate: (slope(&load) + by_displacements) * contact.compliance,
+            load,
+            load_rate,
             rate: acceleration(i) - slope(&surface),
             carried_rate,
             memory: state.memory[model.memory(number)].to_vec(),

@@ -8,6 +8,7 @@
 use nalgebra::RowDVector;
 
 use super::elements::ElementDerivatives;
+use super::linear::load_at_end;
 use super::tangent::TangentFlow;
 use crate::motion::{Mode, Segment};
 use crate::structure::Step;
@@ -58,13 +59,10 @@ impl TangentFlow<'_> {
         let data = &self.form.model.contacts[contact];
         let state = step.end_state();
         let displacement = |j: usize| state.displacements[j];
-        let given = data.load.series(step.clock());
-        let load = given.at(step.duration()) + data.displacement_load(displacement);
+        let [load, rate] = load_at_end(data, step);
         if data.load_gradient.is_empty() || load.abs() > ZERO * data.load_size(displacement) {
             return never;
         }
-        let rate = given.derivative().at(step.duration())
-            + data.displacement_load(|j| state.velocities[j]);
         let gradient = data.load_gradient.iter();
         gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
     }
@@ -111,7 +109,6 @@ impl TangentFlow<'_> {
     /// elements, at the end of a step.
     pub(super) fn spring_rate(&self, step: &Step, i: usize) -> f64 {
         let (model, h) = (&self.form.model, step.duration());
-        let velocities = step.end_state().velocities;
         let rates = model.contacts.iter().enumerate().map(|(c, contact)| {
             let mut rate = 0.0;
             if contact.is_elastic() {
@@ -120,8 +117,7 @@ impl TangentFlow<'_> {
             }
             let reaction = entry(&contact.reaction, i);
             if reaction != 0.0 && step.modes()[c] != Mode::Open {
-                let given = contact.load.series(step.clock()).slope_at(h);
-                rate -= (given + contact.displacement_load(|j| velocities[j])) * reaction;
+                rate -= load_at_end(contact, step)[1] * reaction;
             }
             rate
         });

@@ -136,13 +136,14 @@ impl Contact {
         law: L,
         load: impl Into<Drive>,
     ) -> Result<Self, Error> {
-        validate(&law)?;
+        let load = checked_load(load.into())?;
+        validate(&law, load.value(0.0).max(0.0))?;
         let (coordinate, direction) = checked_direction(direction)?;
         Ok(Self {
             coordinate,
             direction,
             law: Arc::new(law),
-            load: Arc::new(checked_load(load.into())?),
+            load: Arc::new(load),
             load_gradient: Vec::new(),
             belt_velocity: Arc::new(Drive::constant(0.0)),
             tangential_stiffness: None,

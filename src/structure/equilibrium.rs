@@ -3,10 +3,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::engine::contact::ContactData;
 use super::engine::element::ElementTangent;
 use super::engine::model::Model;
 use super::freedom::{direction_row, elastic_rows, null_space, units};
 use crate::error::NotSliding;
+use crate::friction::memory::Slip;
 
 /// Accelerations, and singular values, below this part of the largest are rounding.
 pub(super) const ROUNDING: f64 = 1e-12;
@@ -20,6 +22,9 @@ pub(super) struct Equilibrium<'e, 'm, 's> {
     /// Those at which contacts stick; `None` for masses at rest.
     pub(super) velocities: Option<&'e [f64]>,
     pub(super) sticking: &'e [usize],
+    /// The contacts whose friction is not in `stiffness` and `right`, because it is not linear in
+    /// the displacements, and how they slip.
+    pub(super) frictions: &'e [(usize, Slip<f64>)],
 }
 
 /// Bound of the iterations of Newton's method.
@@ -41,8 +46,8 @@ impl Equilibrium<'_, '_, '_> {
         &self,
         start: &[f64],
     ) -> Result<(Balance, Vec<ElementTangent>), NotSliding> {
-        if self.model.elements.is_empty() {
-            return Ok((self.linearised(&[], 1.0)?, Vec::new()));
+        if self.model.elements.is_empty() && self.frictions.is_empty() {
+            return Ok((self.linearised(&Tangents::default(), 1.0)?, Vec::new()));
         }
         let start = DVector::from_column_slice(start);
         let mut found = self.newton(start.clone(), 1.0);
@@ -50,7 +55,7 @@ impl Equilibrium<'_, '_, '_> {
             found = self.raise_load(start);
         }
         let balance = found?;
-        let elements = self.tangents(&balance.displacements);
+        let Tangents { elements, .. } = self.tangents(&balance.displacements)?;
         for (number, (element, tangent)) in
             std::iter::zip(&self.model.elements, &elements).enumerate()
         {
@@ -97,7 +102,7 @@ impl Equilibrium<'_, '_, '_> {
     /// Newton's method under a part of the load. A step is halved while the step after it would be
     /// longer.
     fn newton(&self, mut q: DVector<f64>, load: f64) -> Result<Balance, NotSliding> {
-        let mut balance = self.linearised(&self.tangents(&q), load)?;
+        let mut balance = self.linearised(&self.tangents(&q)?, load)?;
         let mut step = &balance.displacements - &q;
         for _ in 0..MOST_ITERATIONS {
             let least = 4.0 * f64::EPSILON * q.amax().max(balance.displacements.amax());
@@ -107,7 +112,8 @@ impl Equilibrium<'_, '_, '_> {
             let mut part = 1.0;
             let (next, then) = loop {
                 let next = &q + &step * part;
-                let then = self.linearised(&self.tangents(&next), load);
+                let then = self.tangents(&next);
+                let then = then.and_then(|tangents| self.linearised(&tangents, load));
                 let shorter = |balance: &Balance| {
                     let after = (&balance.displacements - &next).amax();
                     after <= (1.0 - LEAST_GAIN * part) * step.amax() || after <= least
@@ -131,7 +137,15 @@ impl Equilibrium<'_, '_, '_> {
 
     fn not_found(&self, q: &DVector<f64>, load: f64) -> NotSliding {
         let mut left = &self.right * load - &self.stiffness * q;
-        for (element, tangent) in std::iter::zip(&self.model.elements, self.tangents(q)) {
+        let Ok(tangents) = self.tangents(q) else {
+            return NotSliding::Overflow;
+        };
+        for friction in &tangents.frictions {
+            for &(i, x) in friction.contact.responses() {
+                left[i] -= x * friction.force;
+            }
+        }
+        for (element, tangent) in std::iter::zip(&self.model.elements, &tangents.elements) {
             let factor = element.factor.value(0.0);
             for (response, force) in std::iter::zip(&element.responses, &tangent.forces) {
                 response
@@ -145,19 +159,49 @@ impl Equilibrium<'_, '_, '_> {
         }
     }
 
-    /// The force elements at these displacements.
-    fn tangents(&self, q: &DVector<f64>) -> Vec<ElementTangent> {
+    /// The nonlinear forces at these displacements.
+    fn tangents(&self, q: &DVector<f64>) -> Result<Tangents<'_>, NotSliding> {
         let at_rest = vec![0.0; q.len()];
         let elements = self.model.elements.iter();
-        elements
-            .map(|element| element.tangent(q.as_slice(), &at_rest))
-            .collect()
+        let frictions = self.frictions.iter().map(|&(number, slip)| {
+            let contact = &self.model.contacts[number];
+            let load = contact.load_at(0.0, |j| q[j]);
+            let sliding = contact.law.sliding(slip, load);
+            let by_load = sliding.and_then(|at| Some((at.coefficient, at.by_load()?)));
+            let (coefficient, slope) =
+                by_load.ok_or(NotSliding::NoSteadyMemory { contact: number })?;
+            let slope = contact.compliance * (coefficient + load * slope);
+            let slopes = contact.load_gradient.iter().map(|&(j, n)| (j, slope * n));
+            Ok(FrictionTangent {
+                contact,
+                force: contact.compliance * load * coefficient,
+                slopes: slopes.collect(),
+            })
+        });
+        Ok(Tangents {
+            elements: elements
+                .map(|element| element.tangent(q.as_slice(), &at_rest))
+                .collect(),
+            frictions: frictions.collect::<Result<_, _>>()?,
+            displacements: q.as_slice().to_vec(),
+        })
     }
 
-    /// The equilibrium with force elements in place of which their tangents act.
-    fn linearised(&self, tangents: &[ElementTangent], load: f64) -> Result<Balance, NotSliding> {
+    /// The equilibrium with the tangents of the nonlinear forces in their place.
+    fn linearised(&self, tangents: &Tangents<'_>, load: f64) -> Result<Balance, NotSliding> {
         let (mut stiffness, mut right) = (self.stiffness.clone(), &self.right * load);
-        for (element, tangent) in std::iter::zip(&self.model.elements, tangents) {
+        for friction in &tangents.frictions {
+            let slopes = friction.slopes.iter();
+            let changes = slopes.map(|&(j, slope)| slope * tangents.displacements[j]);
+            let force = friction.force - changes.sum::<f64>();
+            for &(i, x) in friction.contact.responses() {
+                right[i] -= x * force;
+                for &(j, slope) in &friction.slopes {
+                    stiffness[(i, j)] += x * slope;
+                }
+            }
+        }
+        for (element, tangent) in std::iter::zip(&self.model.elements, &tangents.elements) {
             let factor = element.factor.value(0.0);
             for (k, response) in element.responses.iter().enumerate() {
                 let by_positions = std::iter::zip(&tangent.slopes, &tangent.positions);
@@ -183,6 +227,21 @@ impl Equilibrium<'_, '_, '_> {
             forces: Vec::new(),
         })
     }
+}
+
+/// The nonlinear forces at some displacements.
+#[derive(Default)]
+struct Tangents<'e> {
+    elements: Vec<ElementTangent>,
+    frictions: Vec<FrictionTangent<'e>>,
+    displacements: Vec<f64>,
+}
+
+/// The friction of a contact, multiplied by G_cc, and its derivatives by displacements.
+struct FrictionTangent<'e> {
+    contact: &'e ContactData<'e>,
+    force: f64,
+    slopes: Vec<(usize, f64)>,
 }
 
 /// Steady sliding at given velocities.

@@ -11,9 +11,7 @@ use super::equilibrium::{Equilibrium, ROUNDING, inverse_mass_times};
 use super::freedom::{direction_row, elastic_rows, null_space, rows_of, units};
 use crate::error::{Error, NotSliding};
 use crate::force::object::Place;
-use crate::friction::memory::object::LawObject;
-use crate::friction::memory::{Motion, Sliding, Slip};
-use crate::friction::piece_above;
+use crate::friction::memory::{Input, Motion, Sliding, Slip};
 use crate::numerics::eigenvalues::{balance, eigenvalues as eigenvalues_of};
 use crate::numerics::sort::sort_by;
 use crate::series::{PowerSeries, TERMS};
@@ -89,11 +87,15 @@ impl<'m, 's> SlidingField<'m, 's> {
             if relative == 0.0 && contact.is_elastic() {
                 return Err(NotSliding::Continuum { contact: number });
             }
-            let (sliding, direction) =
-                sliding_of(relative, contact.law).map_err(|reason| reason(number))?;
-            Ok(Some((sliding, relative.abs(), direction)))
+            let Some(slip) = slip_at(relative, contact) else {
+                return Err(NotSliding::NoSpeed { contact: number });
+            };
+            let load = contact.load_at(0.0, |j| start[j]).max(0.0);
+            let sliding = contact.law.sliding(slip, load);
+            let sliding = sliding.ok_or(NotSliding::NoSteadyMemory { contact: number })?;
+            Ok(Some((sliding, slip)))
         });
-        let contacts: Vec<Option<(Sliding, f64, f64)>> = contacts.collect::<Result<_, _>>()?;
+        let contacts: Vec<Option<(Sliding, Slip<f64>)>> = contacts.collect::<Result<_, _>>()?;
         let mut stiffness = DMatrix::zeros(n, n);
         add_rows(&mut stiffness, 1.0, |i| model.stiffness.row(i));
         let force = |i: usize| model.forces[i].value(0.0);
@@ -102,9 +104,17 @@ impl<'m, 's> SlidingField<'m, 's> {
             let own = diagonal * force(i);
             beside.iter().fold(own, |sum, &(j, a)| sum + a * force(j))
         });
-        for (contact, slides) in std::iter::zip(&model.contacts, &contacts) {
-            let coefficient = slides.as_ref().map(|(sliding, ..)| sliding.coefficient);
-            let coefficient = coefficient.map(|coefficient| contact.compliance * coefficient);
+        let mut frictions = Vec::new();
+        for (number, (contact, slides)) in std::iter::zip(&model.contacts, &contacts).enumerate() {
+            let mut coefficient = None;
+            if let Some((sliding, slip)) = slides {
+                let follows = !contact.load_gradient.is_empty();
+                if follows && sliding.rates_by_load.iter().any(|by| *by != 0.0) {
+                    frictions.push((number, *slip));
+                } else {
+                    coefficient = Some(contact.compliance * sliding.coefficient);
+                }
+            }
             for &(i, x) in contact.responses() {
                 let Some(coefficient) = coefficient else {
                     break;
@@ -135,23 +145,31 @@ impl<'m, 's> SlidingField<'m, 's> {
             right,
             velocities,
             sticking: &sticking,
+            frictions: &frictions,
         };
         let (balance, elements) = equations.solve(start)?;
         let slides = contacts.into_iter().enumerate();
         let slides = slides.map(|(number, slides)| {
             let contact = &model.contacts[number];
             let load = contact.load_at(0.0, |j| balance.displacements[j]);
-            if load > 0.0 {
-                Ok(slides.map(|(sliding, speed, direction)| Slides {
-                    sliding,
-                    speed,
-                    direction,
-                    load,
-                }))
-            } else {
+            if load <= 0.0 || load.is_nan() {
                 let contact = number;
-                Err(NotSliding::NoLoad { contact, load })
+                return Err(NotSliding::NoLoad { contact, load });
             }
+            let Some((sliding, slip)) = slides else {
+                return Ok(None);
+            };
+            let sliding = if frictions.iter().any(|&(followed, _)| followed == number) {
+                contact.law.sliding(slip, load)
+            } else {
+                Some(sliding)
+            };
+            Ok(Some(Slides {
+                sliding: sliding.ok_or(NotSliding::NoSteadyMemory { contact: number })?,
+                speed: slip.speed,
+                direction: slip.direction,
+                load,
+            }))
         });
         let contacts = slides.collect::<Result<_, _>>()?;
         for (&number, force) in std::iter::zip(&sticking, &balance.forces) {
@@ -287,6 +305,9 @@ impl<'m, 's> SlidingField<'m, 's> {
                     let rate = slides.direction * sliding.rates_by_speed[j];
                     matrix[(first + j, n + i)] += rate * b;
                 }
+                for &(i, gradient) in &contact.load_gradient {
+                    matrix[(first + j, i)] += sliding.rates_by_load[j] * gradient;
+                }
                 for l in 0..sliding.memory.len() {
                     matrix[(first + j, first + l)] += sliding.rates_by_memory[(j, l)];
                 }
@@ -378,7 +399,9 @@ impl<'m, 's> SlidingField<'m, 's> {
             reduced.view_mut((m, m), (k, k)).copy_from(&damping);
             for (j, &z) in active.iter().enumerate() {
                 let acts = &kept * matrix.view((n, z), (n, 1));
+                let loaded = matrix.view((z, 0), (1, n)) * &displacements;
                 let driven = matrix.view((z, n), (1, n)) * &velocities;
+                reduced.view_mut((m + k + j, 0), (1, m)).copy_from(&loaded);
                 reduced.view_mut((m, m + k + j), (k, 1)).copy_from(&acts);
                 reduced.view_mut((m + k + j, m), (1, k)).copy_from(&driven);
                 for (l, &other) in active.iter().enumerate() {
@@ -455,12 +478,16 @@ impl<'m, 's> SlidingField<'m, 's> {
                 direction: slides.direction,
                 piece: contact.piece_above(speed),
             });
-            let along = |by: Option<usize>| (by, by.map_or(slip, |j: usize| line[first + j]));
+            let load = contact.displacement_load(|j| line[j]);
+            let loads = linear(slides.load, load);
             let mut coefficient = PowerSeries::ZERO;
-            let inputs =
-                std::iter::once(along(None)).chain((0..memory.len()).map(|j| along(Some(j))));
+            let mut inputs = vec![(Input::Speed, slip)];
+            inputs.extend((0..memory.len()).map(|j| (Input::Memory(j), line[first + j])));
+            if !memory.is_empty() && !contact.load_gradient.is_empty() {
+                inputs.push((Input::Load, load));
+            }
             for (by, part) in inputs {
-                let found = contact.law.derivative(motion, &memory, by);
+                let found = contact.law.derivative(motion, &loads, &memory, by);
                 coefficient = found.coefficient;
                 for (j, rate) in found.rates.iter().enumerate() {
                     // The rate changes along the line by its derivatives.
@@ -469,7 +496,6 @@ impl<'m, 's> SlidingField<'m, 's> {
                     }
                 }
             }
-            let load = contact.displacement_load(|j| line[j]);
             for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
                 let force = slides.load * coefficient[k] + load * coefficient[k - 1];
                 for &(i, x) in contact.responses() {
@@ -534,25 +560,14 @@ fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<
     eigen.eigenvectors.select_columns(&normal)
 }
 
-/// Steady sliding at a relative velocity, and the direction of slip; otherwise the reason why the
-/// contact does not slide, by its number.
-fn sliding_of(
-    relative: f64,
-    law: &dyn LawObject,
-) -> Result<(Sliding, f64), fn(usize) -> NotSliding> {
-    let Some(direction) = Direction::of(relative) else {
-        return Err(|contact| NotSliding::NoSpeed { contact });
-    };
-    let (speed, direction) = (relative.abs(), direction.sign());
-    let slip = Slip {
+/// Slip at a relative velocity; `None` at 0.
+fn slip_at(relative: f64, contact: &ContactData<'_>) -> Option<Slip<f64>> {
+    let (direction, speed) = (Direction::of(relative)?, relative.abs());
+    Some(Slip {
         speed,
-        direction,
-        piece: piece_above(law.breakpoints().into_iter(), speed),
-    };
-    match law.sliding(slip) {
-        Some(sliding) => Ok((sliding, direction)),
-        None => Err(|contact| NotSliding::NoSteadyMemory { contact }),
-    }
+        direction: direction.sign(),
+        piece: contact.piece_above(speed),
+    })
 }
 
 /// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are exactly

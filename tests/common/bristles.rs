@@ -64,7 +64,7 @@ impl ContactLaw for Bristles {
     fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
         None
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         match motion {
             Motion::Stick => [z.constant(0.0)],
             Motion::Slip(slip) => [self.rate(slip, z)],
@@ -138,7 +138,7 @@ impl<'b> Radau<'b> {
             direction: self.side,
             piece: 0,
         };
-        let [rate] = self.block.law.rates(Motion::Slip(slip), [z]);
+        let [rate] = self.block.law.rates(Motion::Slip(slip), 1.0, [z]);
         [self.block.law.coefficient(slip, [z]), rate]
     }
 

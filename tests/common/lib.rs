@@ -6,8 +6,10 @@
 pub mod any;
 pub mod any_force;
 pub mod bristles;
+pub mod collocation;
 pub mod forces;
 pub mod formula;
+pub mod heat;
 pub mod laws;
 pub mod masses;
 pub mod naive;

@@ -37,7 +37,7 @@ impl ContactLaw for Remembering {
     fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
         None
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, memory: [S; 1]) -> [S; 1] {
         let _ = motion;
         [memory[0] + self.0]
     }

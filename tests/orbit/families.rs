@@ -91,7 +91,7 @@ impl ContactLaw for Worn {
     fn limit<S: Scalar>(&self, _: S, [z]: [S; 1]) -> Option<S> {
         Some(Self::number(z))
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         match motion {
             Motion::Stick => [z.constant(0.0)],
             Motion::Slip(slip) => [slip.velocity()],

@@ -162,7 +162,7 @@ impl ContactLaw for Dip {
         let part = (rest - 5.0) / 0.15;
         Some((-(part * part)).exp() * -0.3 + 0.6)
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [rest]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [rest]: [S; 1]) -> [S; 1] {
         [rest.constant(match motion {
             Motion::Stick => 1.0,
             Motion::Slip(_) => 0.0,

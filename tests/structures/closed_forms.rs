@@ -303,7 +303,7 @@ impl ContactLaw for Nap {
     fn limit<S: Scalar>(&self, zero: S, _: [S; 0]) -> Option<S> {
         Some(zero.constant(self.at_rest))
     }
-    fn rates<S: Scalar>(&self, _: Motion<S>, memory: [S; 0]) -> [S; 0] {
+    fn rates<S: Scalar>(&self, _: Motion<S>, _: S, memory: [S; 0]) -> [S; 0] {
         memory
     }
     memory_stays!(0);

@@ -24,6 +24,7 @@ mod force_laws;
 mod forces;
 mod formulas;
 mod functions;
+mod heat;
 mod identities;
 mod memory;
 mod memory_formulas;

@@ -111,7 +111,7 @@ impl ContactLaw for ElastoPlastic {
     fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
         None
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         let Motion::Slip(slip) = motion else {
             return [z.constant(0.0)];
         };
@@ -172,7 +172,7 @@ impl ContactLaw for Spoilt {
     fn limit<S: Scalar>(&self, zero: S, _: [S; 1]) -> Option<S> {
         self.limit.map(|limit| zero.constant(limit))
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         [z.constant(match motion {
             Motion::Stick => self.rates[0],
             Motion::Slip(slip) => self.rates[1 + usize::from(slip.direction < 0.0)],
@@ -370,7 +370,7 @@ impl ContactLaw for Exploding {
     fn limit<S: Scalar>(&self, zero: S, _: [S; 1]) -> Option<S> {
         Some(zero.constant(0.1))
     }
-    fn rates<S: Scalar>(&self, _: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, _: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         [z.square()]
     }
     memory_stays!(1);

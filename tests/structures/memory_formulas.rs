@@ -326,7 +326,7 @@ fn bristles_in_steady_sliding() {
                 direction: r.signum(),
                 piece: 0,
             };
-            law.rates(Motion::Slip(slip), [z])[0]
+            law.rates(Motion::Slip(slip), 1.0, [z])[0]
         };
         let d = 1e-6 * steady.deflection;
         let dies = (rate(-v, steady.deflection + d) - rate(-v, steady.deflection - d)) / (2.0 * d);
@@ -389,7 +389,7 @@ fn least_loss(law: &LuGre<AnyLaw>, max_speed: f64) -> f64 {
                 piece: 0,
             };
             let given = law.coefficient(slip, [z]) * speed;
-            let [rate] = law.rates(Motion::Slip(slip), [z]);
+            let [rate] = law.rates(Motion::Slip(slip), 1.0, [z]);
             least = least.min(given - law.stiffness() * z * rate);
         }
     }

@@ -93,7 +93,7 @@ impl ContactLaw for Spoilt {
     fn limit<S: Scalar>(&self, _: S, [z]: [S; 1]) -> Option<S> {
         Some(self.number("limit", z, z.constant(0.4)))
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         [match motion {
             Motion::Stick => self.number("in stick", z, z.constant(1.0)),
             Motion::Slip(slip) => self.number("in slip", z, slip.speed),

@@ -20,8 +20,8 @@ impl<L: ContactLaw> ContactLaw for Padded<L> {
     fn limit<S: Scalar>(&self, zero: S, [z, _]: [S; 2]) -> Option<S> {
         self.0.limit(zero, Variables::from_fn(|_| z))
     }
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z, other]: [S; 2]) -> [S; 2] {
-        let rates = self.0.rates(motion, Variables::from_fn(|_| z));
+    fn rates<S: Scalar>(&self, motion: Motion<S>, load: S, [z, other]: [S; 2]) -> [S; 2] {
+        let rates = self.0.rates(motion, load, Variables::from_fn(|_| z));
         [rates.as_ref()[0], other.constant(0.0)]
     }
     fn breakpoints(&self) -> impl Iterator<Item = f64> {

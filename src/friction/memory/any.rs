@@ -82,23 +82,28 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
     }
 
     #[inline]
-    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, load: S, memory: [S; 1]) -> [S; 1] {
         match self {
             Self::Dry(_) => memory.map(|number| number.constant(0.0)),
-            Self::Dwell(law) => law.rates(motion, memory),
-            Self::Dahl(law) => law.rates(motion, memory),
-            Self::LuGre(law) => law.rates(motion, memory),
+            Self::Dwell(law) => law.rates(motion, load, memory),
+            Self::Dahl(law) => law.rates(motion, load, memory),
+            Self::LuGre(law) => law.rates(motion, load, memory),
         }
     }
 
     #[inline]
-    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> (S, [S; 1]) {
+    fn coefficient_and_rates<S: Scalar>(
+        &self,
+        slip: Slip<S>,
+        load: S,
+        memory: [S; 1],
+    ) -> (S, [S; 1]) {
         match self {
-            Self::Dahl(law) => law.coefficient_and_rates(slip, memory),
-            Self::LuGre(law) => law.coefficient_and_rates(slip, memory),
+            Self::Dahl(law) => law.coefficient_and_rates(slip, load, memory),
+            Self::LuGre(law) => law.coefficient_and_rates(slip, load, memory),
             Self::Dry(_) | Self::Dwell(_) => {
                 let coefficient = self.coefficient(slip, memory);
-                (coefficient, self.rates(Motion::Slip(slip), memory))
+                (coefficient, self.rates(Motion::Slip(slip), load, memory))
             }
         }
     }

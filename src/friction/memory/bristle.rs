@@ -141,7 +141,7 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
     }
 
     #[inline]
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [z]: [S; 1]) -> [S; 1] {
         match motion {
             Motion::Stick => [z.constant(0.0)],
             Motion::Slip(slip) => [self.rate(slip, z)],
@@ -149,7 +149,7 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
     }
 
     #[inline]
-    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> (S, [S; 1]) {
+    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, _: S, [z]: [S; 1]) -> (S, [S; 1]) {
         let rate = self.rate(slip, z);
         (self.friction(slip, z, || rate), [rate])
     }
@@ -255,13 +255,18 @@ impl ContactLaw for Dahl {
     }
 
     #[inline]
-    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; 1]) -> [S; 1] {
-        self.0.rates(motion, memory)
+    fn rates<S: Scalar>(&self, motion: Motion<S>, load: S, memory: [S; 1]) -> [S; 1] {
+        self.0.rates(motion, load, memory)
     }
 
     #[inline]
-    fn coefficient_and_rates<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> (S, [S; 1]) {
-        self.0.coefficient_and_rates(slip, memory)
+    fn coefficient_and_rates<S: Scalar>(
+        &self,
+        slip: Slip<S>,
+        load: S,
+        memory: [S; 1],
+    ) -> (S, [S; 1]) {
+        self.0.coefficient_and_rates(slip, load, memory)
     }
 
     fn breakpoints(&self) -> impl Iterator<Item = f64> {

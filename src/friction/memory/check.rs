@@ -1,4 +1,4 @@
-use super::sliding::{Derivatives, derivatives};
+use super::sliding::{Derivatives, Input, derivatives};
 use super::{ContactLaw, Motion, Slip, Variables};
 use crate::error::Error;
 use crate::friction::check::{JUMP, STATIC_ROUNDING, check_opposing};
@@ -23,17 +23,18 @@ struct LawValues<'l> {
     breakpoints: &'l mut dyn Iterator<Item = f64>,
 }
 
-/// Checks the rules of [`ContactLaw`] on which a structure relies, with a memory of zeros and in
-/// both directions of slip: μ_s is finite and not below the coefficient at speed 0, friction
-/// opposes slip there, rates are finite, the breakpoints ascend, and the law is continuous.
-pub(crate) fn validate<L: ContactLaw>(law: &L) -> Result<(), Error> {
+/// Checks the rules of [`ContactLaw`] on which a structure relies, under a load N, with a memory
+/// of zeros and in both directions of slip: μ_s is finite and not below the coefficient at speed 0,
+/// friction opposes slip there, rates are finite, the breakpoints ascend, and the law is
+/// continuous.
+pub(crate) fn validate<L: ContactLaw>(law: &L, load: f64) -> Result<(), Error> {
     let fresh = L::Memory::<f64>::from_fn(|_| 0.0);
-    let rates_in_stick = law.rates(Motion::Stick, fresh);
+    let rates_in_stick = law.rates(Motion::Stick, load, fresh);
     let values = LawValues {
         kind: of_law(L::Memory::<f64>::COUNT),
         limit: law.limit(0.0, fresh),
         coefficient: &|slip| law.coefficient(slip, fresh),
-        derivatives: &|slip| derivatives(law, slip, fresh.as_ref(), None),
+        derivatives: &|slip| derivatives(law, (slip, load), fresh.as_ref(), Input::Speed),
         rates_in_stick: rates_in_stick.as_ref(),
         breakpoints: &mut law.breakpoints(),
     };

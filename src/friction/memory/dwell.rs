@@ -192,7 +192,7 @@ impl<L: FrictionLaw> ContactLaw for Dwell<L> {
     }
 
     #[inline(always)]
-    fn rates<S: Scalar>(&self, motion: Motion<S>, [rest]: [S; 1]) -> [S; 1] {
+    fn rates<S: Scalar>(&self, motion: Motion<S>, _: S, [rest]: [S; 1]) -> [S; 1] {
         [rest.constant(match motion {
             Motion::Stick => 1.0,
             Motion::Slip(_) => 0.0,

@@ -29,7 +29,7 @@ pub use bristle::{Dahl, LuGre};
 pub(crate) use check::validate;
 pub use dwell::Dwell;
 #[cfg(feature = "structures")]
-pub(crate) use sliding::Sliding;
+pub(crate) use sliding::{Input, Sliding};
 
 use crate::friction::{AnyLaw, FrictionLaw, LawRef, Own};
 use crate::scalar::Scalar;
@@ -72,10 +72,11 @@ impl<S: Scalar> Slip<S> {
 /// let clock = Dwell::hyperbolic(Coulomb::new(0.4, 0.3)?, 0.6, 2.0)?;
 /// let bristles = Dahl::new(0.4, 50.0)?;
 /// let slip = Motion::Slip(Slip { speed: 0.1, direction: -1.0, piece: 0 });
-/// assert_eq!(clock.rates(Motion::Stick, [0.0]), [1.0]);
-/// assert_eq!(clock.rates(slip, [0.0]), [0.0]);
-/// assert_eq!(bristles.rates(Motion::Stick, [0.0]), [0.0]);
-/// assert_eq!(bristles.rates(slip, [0.0]), [-0.1]);
+/// let load = 5.0;
+/// assert_eq!(clock.rates(Motion::Stick, load, [0.0]), [1.0]);
+/// assert_eq!(clock.rates(slip, load, [0.0]), [0.0]);
+/// assert_eq!(bristles.rates(Motion::Stick, load, [0.0]), [0.0]);
+/// assert_eq!(bristles.rates(slip, load, [0.0]), [-0.1]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
@@ -122,8 +123,8 @@ pub enum NamedLaw {
 /// The friction law of a contact, with or without memory.
 ///
 /// ```text
-/// slip:   friction  λ = N·μ(r, z),   z' = rates
-/// stick:  |λ| ≤ N·μ_s(z),            z' = rates
+/// slip:   friction  λ = N·μ(r, z),   z' = rates(r, N, z)
+/// stick:  |λ| ≤ N·μ_s(z),            z' = rates(N, z)
 /// ```
 ///
 /// N is the normal load, λ the friction force, μ the friction coefficient, and μ_s the static
@@ -139,17 +140,20 @@ pub enum NamedLaw {
 /// the larger kinetic coefficient at speed 0. A law with a smaller coefficient in one direction
 /// describes slip in this direction, but not its onset: the contact sticks up to ±N·μ_s.
 ///
-/// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros.
+/// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros,
+/// under the load at time 0.
 /// At speed 0, μ_s must be at least |μ|, and friction must oppose slip. The law must be continuous
 /// at its breakpoints and, if it never sticks, at r = 0.
 ///
 /// ```
-/// use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip, Structure, structure::State};
+/// use stick_slip::{Contact, ContactLaw, Drive, Motion, Scalar, Slip, Structure, structure::State};
 ///
-/// /// A surface during running-in: over the distance slid, z, μ falls from 0.5 to 0.3.
-/// struct RunIn;
+/// /// Brake fade: friction heats the surfaces, and their temperature z lowers μ from 0.5 to 0.3.
+/// struct Fade {
+///     heat_capacity: f64,
+/// }
 ///
-/// impl ContactLaw for RunIn {
+/// impl ContactLaw for Fade {
 ///     type Memory<S: Scalar> = [S; 1];
 ///     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
 ///         ((-z).exp() * 0.2 + 0.3) * slip.direction
@@ -157,10 +161,14 @@ pub enum NamedLaw {
 ///     fn limit<S: Scalar>(&self, _: S, [z]: [S; 1]) -> Option<S> {
 ///         Some((-z).exp() * 0.2 + 0.3)
 ///     }
-///     fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+///     fn rates<S: Scalar>(&self, motion: Motion<S>, load: S, memory: [S; 1]) -> [S; 1] {
 ///         match motion {
-///             Motion::Stick => [z.constant(0.0)],
-///             Motion::Slip(slip) => [slip.speed],
+///             Motion::Stick => memory.map(|z| z.constant(0.0)),
+///             // The power of friction, N μ r.
+///             Motion::Slip(slip) => {
+///                 let power = load * self.coefficient(slip, memory) * slip.velocity();
+///                 [power / self.heat_capacity]
+///             }
 ///         }
 ///     }
 ///     fn breakpoints(&self) -> impl Iterator<Item = f64> {
@@ -171,12 +179,12 @@ pub enum NamedLaw {
 ///     }
 /// }
 ///
-/// let block = Structure::new(&[1.0])?.with_contact(Contact::new(0, RunIn, 1.0)?)?;
-/// let motion = block.simulate(State::new(&[0.0], &[2.0]), 10.0)?;
-/// // The block comes to rest where friction has done the work v²/2.
-/// let way = motion.last().displacements[0];
-/// assert!((0.2 * (1.0 - (-way).exp()) + 0.3 * way - 2.0).abs() < 1e-14);
-/// assert!((motion.last().memory[0] - way).abs() < 1e-14);
+/// let load = Drive::constant(1.0).with_harmonic(0.5, 3.0, 0.0)?;
+/// let pad = Contact::new(0, Fade { heat_capacity: 4.0 }, load)?;
+/// let block = Structure::new(&[1.0])?.with_contact(pad)?;
+/// let motion = block.simulate(State::new(&[0.0], &[2.0]), 20.0)?;
+/// // At rest the energy v²/2 = 2 of the block has become heat.
+/// assert!((motion.last().memory[0] - 2.0 / 4.0).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[diagnostic::on_unimplemented(
@@ -199,8 +207,15 @@ pub trait ContactLaw: Sized {
     /// `zero` is the number 0 of type `S`: `zero.constant(0.4)` is the constant 0.4 of this type.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
-    /// Rates of change dz/dt of the memory variables, per unit of time.
-    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: Self::Memory<S>) -> Self::Memory<S>;
+    /// Rates of change dz/dt of the memory variables, per unit of time. `load` is the normal load
+    /// N, in units of force: frictional heat N·μ|r|, for example, drives the temperature of a
+    /// contact. While the contact is open its memory does not change.
+    fn rates<S: Scalar>(
+        &self,
+        motion: Motion<S>,
+        load: S,
+        memory: Self::Memory<S>,
+    ) -> Self::Memory<S>;
 
     /// Sliding speeds at which pieces of the law meet, in units of velocity: finitely many,
     /// ascending, positive. See [`FrictionLaw::breakpoints`].
@@ -216,10 +231,11 @@ pub trait ContactLaw: Sized {
     fn coefficient_and_rates<S: Scalar>(
         &self,
         slip: Slip<S>,
+        load: S,
         memory: Self::Memory<S>,
     ) -> (S, Self::Memory<S>) {
         let coefficient = self.coefficient(slip, memory);
-        (coefficient, self.rates(Motion::Slip(slip), memory))
+        (coefficient, self.rates(Motion::Slip(slip), load, memory))
     }
 
     /// The law as one of the laws of this crate, for serialization and comparison; `None` for a
@@ -258,7 +274,7 @@ impl<L: FrictionLaw> ContactLaw for L {
     }
 
     #[inline(always)]
-    fn rates<S: Scalar>(&self, _: Motion<S>, memory: [S; 0]) -> [S; 0] {
+    fn rates<S: Scalar>(&self, _: Motion<S>, _: S, memory: [S; 0]) -> [S; 0] {
         memory
     }
 

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use super::sliding::Sliding;
+use super::sliding::{Input, Sliding};
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
 use crate::friction::law::{Law, LawRef, Own};
 use crate::scalar::Scalar;
@@ -36,12 +36,18 @@ pub(crate) trait LawObject {
     /// The change of variable j, from a memory of zeros, that changes μ_s or μ at r = 0 by 1;
     /// infinite if none does.
     fn memory_unit(&self, by: usize) -> f64;
-    /// dz/dt: the number of each variable, and its rate.
-    fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64));
+    /// dz/dt under a load N: the number of each variable, and its rate.
+    fn rates(
+        &self,
+        motion: Motion<f64>,
+        load: f64,
+        memory: Memory<'_>,
+        take: &mut dyn FnMut(usize, f64),
+    );
     /// The memory after slip has ended in stick, or stick in slip.
     fn caught(&self, memory: &mut [f64]);
-    /// Steady sliding; `None` if no memory is stationary.
-    fn sliding(&self, slip: Slip<f64>) -> Option<Sliding>;
+    /// Steady sliding under a load N; `None` if no memory is stationary.
+    fn sliding(&self, slip: Slip<f64>, load: f64) -> Option<Sliding>;
     /// The law as one of the crate's own.
     fn named(&self) -> Option<NamedLaw>;
     /// The one coefficient of a law without memory for which μ_s = μ at every speed.
@@ -50,8 +56,14 @@ pub(crate) trait LawObject {
     fn dry_slip(&self) -> Option<&dyn Law>;
 
     /// The operations that give σμ in slip, then the rates of the memory, from the sliding speed
-    /// and the memory.
-    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>, memory: Memory<'_>) -> Output;
+    /// and the memory, under a constant load N.
+    fn record(
+        &self,
+        recorder: &mut Recorder,
+        slip: Slip<f64>,
+        load: f64,
+        memory: Memory<'_>,
+    ) -> Output;
     /// Coefficient k of σμ in slip, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates
     /// of the memory. The speed is coefficient k of its series.
     fn slip_order(
@@ -62,26 +74,23 @@ pub(crate) trait LawObject {
         memory: &mut MemoryOrder<'_>,
     ) -> (f64, f64);
     /// Coefficient k of μ_s in stick, 0 for a law that never sticks, and of the rates.
-    fn stick_order(
-        &self,
-        tape: &mut Tape,
-        k: usize,
-        memory: &[PowerSeries],
-        rates: &mut [f64],
-    ) -> f64;
-    /// The series of the law along a motion, and of its derivative by one of its inputs: the
-    /// sliding speed, or variable `by` of the memory.
+    fn stick_order(&self, tape: &mut Tape, k: usize, memory: &mut MemoryOrder<'_>) -> f64;
+    /// The series of the law along a motion under a load N, and of its derivative by one of its
+    /// inputs.
     fn derivative(
         &self,
         motion: Motion<&PowerSeries>,
+        load: &PowerSeries,
         memory: &[PowerSeries],
-        by: Option<usize>,
+        by: Input,
     ) -> Derivative;
 }
 
 /// The series of a contact's memory, of which the law is given one order, and room for that order
 /// of their rates.
 pub(crate) struct MemoryOrder<'a> {
+    /// That order of the load N; not used without a memory.
+    pub(crate) load: f64,
     pub(crate) series: &'a [PowerSeries],
     pub(crate) rates: &'a mut [f64],
 }
@@ -138,13 +147,13 @@ impl<L: ContactLaw> LawObject for L {
     }
 
     fn limit_slope(&self, memory: &[f64], by: usize) -> f64 {
-        let inputs = along::<L, _>(|j| memory[j], Some(by));
+        let inputs = along::<L, _>(|j| memory[j], Input::Memory(by));
         let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs);
         limit.map_or(f64::NAN, Dual::derivative)
     }
 
     fn memory_unit(&self, by: usize) -> f64 {
-        let inputs = along::<L, _>(|_| 0.0, Some(by));
+        let inputs = along::<L, _>(|_| 0.0, Input::Memory(by));
         let limit =
             ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs).map_or(0.0, Dual::derivative);
         let slip = Slip {
@@ -156,8 +165,14 @@ impl<L: ContactLaw> LawObject for L {
         limit.abs().max(coefficient.abs()).recip()
     }
 
-    fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64)) {
-        let rates = ContactLaw::rates(self, motion, Variables::from_fn(memory));
+    fn rates(
+        &self,
+        motion: Motion<f64>,
+        load: f64,
+        memory: Memory<'_>,
+        take: &mut dyn FnMut(usize, f64),
+    ) {
+        let rates = ContactLaw::rates(self, motion, load, Variables::from_fn(memory));
         for (j, rate) in rates.as_ref().iter().enumerate() {
             take(j, *rate);
         }
@@ -168,8 +183,8 @@ impl<L: ContactLaw> LawObject for L {
         memory.copy_from_slice(caught.as_ref());
     }
 
-    fn sliding(&self, slip: Slip<f64>) -> Option<Sliding> {
-        Sliding::of(self, slip)
+    fn sliding(&self, slip: Slip<f64>, load: f64) -> Option<Sliding> {
+        Sliding::of(self, slip, load)
     }
 
     fn named(&self) -> Option<NamedLaw> {
@@ -184,7 +199,13 @@ impl<L: ContactLaw> LawObject for L {
         ContactLaw::dry_slip(self).map(LawRef::law)
     }
 
-    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>, memory: Memory<'_>) -> Output {
+    fn record(
+        &self,
+        recorder: &mut Recorder,
+        slip: Slip<f64>,
+        load: f64,
+        memory: Memory<'_>,
+    ) -> Output {
         let recorder = recorder.begin(L::Memory::<f64>::COUNT);
         let slip = Slip {
             speed: recorder.argument(slip.speed),
@@ -192,7 +213,8 @@ impl<L: ContactLaw> LawObject for L {
             piece: slip.piece,
         };
         let memory = Variables::from_fn(|j| recorder.input(j, memory(j)));
-        let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
+        let load = slip.speed.constant(load);
+        let (coefficient, rates) = self.coefficient_and_rates(slip, load, memory);
         for rate in rates.as_ref() {
             recorder.give_rate(*rate);
         }
@@ -206,7 +228,11 @@ impl<L: ContactLaw> LawObject for L {
         slip: Slip<f64>,
         memory: &mut MemoryOrder<'_>,
     ) -> (f64, f64) {
-        let MemoryOrder { series, rates } = memory;
+        let MemoryOrder {
+            load,
+            series,
+            rates,
+        } = memory;
         tape.run(k, |run| {
             let slip = Slip {
                 speed: run.variable(slip.speed),
@@ -214,7 +240,12 @@ impl<L: ContactLaw> LawObject for L {
                 piece: slip.piece,
             };
             let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(series[j][k]));
-            let (coefficient, found) = self.coefficient_and_rates(slip, memory);
+            let load = if L::Memory::<f64>::COUNT > 0 {
+                run.input(*load)
+            } else {
+                slip.speed
+            };
+            let (coefficient, found) = self.coefficient_and_rates(slip, load, memory);
             let coefficient = coefficient * slip.direction;
             for (rate, found) in std::iter::zip(&mut **rates, found.as_ref()) {
                 *rate = found.coefficient();
@@ -223,19 +254,19 @@ impl<L: ContactLaw> LawObject for L {
         })
     }
 
-    fn stick_order(
-        &self,
-        tape: &mut Tape,
-        k: usize,
-        memory: &[PowerSeries],
-        rates: &mut [f64],
-    ) -> f64 {
+    fn stick_order(&self, tape: &mut Tape, k: usize, memory: &mut MemoryOrder<'_>) -> f64 {
+        let MemoryOrder {
+            load,
+            series,
+            rates,
+        } = memory;
         tape.run(k, |run| {
             let zero = run.input(0.0);
-            let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(memory[j][k]));
+            let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(series[j][k]));
+            let load = run.input(*load);
             let limit = ContactLaw::limit(self, zero, memory);
-            let found = ContactLaw::rates(self, Motion::Stick, memory);
-            for (rate, found) in std::iter::zip(&mut *rates, found.as_ref()) {
+            let found = ContactLaw::rates(self, Motion::Stick, load, memory);
+            for (rate, found) in std::iter::zip(&mut **rates, found.as_ref()) {
                 *rate = found.coefficient();
             }
             limit.map_or(0.0, |limit| limit.coefficient())
@@ -245,27 +276,33 @@ impl<L: ContactLaw> LawObject for L {
     fn derivative(
         &self,
         motion: Motion<&PowerSeries>,
+        load: &PowerSeries,
         memory: &[PowerSeries],
-        by: Option<usize>,
+        by: Input,
     ) -> Derivative {
         let memory = along::<L, _>(|j| memory[j], by);
+        let load = Dual::along(*load, if by == Input::Load { 1.0 } else { 0.0 });
         let nothing = Dual::along(PowerSeries::ZERO, 0.0);
         let (coefficient, limit_depends, rates) = match motion {
             Motion::Slip(slip) => {
-                let component = if by.is_none() { slip.direction } else { 0.0 };
+                let component = if by == Input::Speed {
+                    slip.direction
+                } else {
+                    0.0
+                };
                 let slip = Slip {
                     speed: Dual::along(*slip.speed, component),
                     direction: slip.direction,
                     piece: slip.piece,
                 };
-                let (coefficient, rates) = self.coefficient_and_rates(slip, memory);
+                let (coefficient, rates) = self.coefficient_and_rates(slip, load, memory);
                 (coefficient, false, rates)
             }
             Motion::Stick => {
                 let limit = ContactLaw::limit(self, nothing, memory);
                 let depends =
                     limit.is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
-                let rates = ContactLaw::rates(self, Motion::Stick, memory);
+                let rates = ContactLaw::rates(self, Motion::Stick, load, memory);
                 (nothing, depends, rates)
             }
         };
@@ -282,13 +319,10 @@ impl<L: ContactLaw> LawObject for L {
     }
 }
 
-/// A memory as the inputs of a law, with the tangent 1 for variable `by`.
-fn along<L: ContactLaw, S: Scalar>(
-    memory: impl Fn(usize) -> S,
-    by: Option<usize>,
-) -> L::Memory<Dual<S>> {
+/// A memory as inputs of a law, with the tangent 1 for the input `by` if it is one of them.
+fn along<L: ContactLaw, S: Scalar>(memory: impl Fn(usize) -> S, by: Input) -> L::Memory<Dual<S>> {
     Variables::from_fn(|j| {
-        let component = if by == Some(j) { 1.0 } else { 0.0 };
+        let component = if by == Input::Memory(j) { 1.0 } else { 0.0 };
         Dual::along(memory(j), component)
     })
 }

@@ -4,6 +4,17 @@ use super::{ContactLaw, Motion, Slip, Variables};
 use crate::scalar::Scalar;
 use crate::scalar::jet::Tape;
 
+/// An input of a law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Input {
+    /// The sliding speed.
+    Speed,
+    /// The load N.
+    Load,
+    /// A variable of the memory.
+    Memory(usize),
+}
+
 /// Steady sliding of a contact: its coefficient with the stationary memory, and the derivatives by
 /// sliding speed and memory.
 #[derive(Debug, Clone)]
@@ -18,13 +29,14 @@ pub(crate) struct Sliding {
     pub(crate) by_memory: Vec<f64>,
     /// ∂z_i'/∂s.
     pub(crate) rates_by_speed: Vec<f64>,
+    /// ∂z_i'/∂N.
+    pub(crate) rates_by_load: Vec<f64>,
     /// ∂z_i'/∂z_j.
     pub(crate) rates_by_memory: DMatrix<f64>,
 }
 
-/// Values of a law with a memory, and derivatives by memory variable j, or by the sliding speed for
-/// `None`.
-type Slopes<'l> = dyn Fn(&[f64], Option<usize>) -> Derivatives + 'l;
+/// Values of a law with a memory, and derivatives by an input.
+type Slopes<'l> = dyn Fn(&[f64], Input) -> Derivatives + 'l;
 
 /// Values and derivatives by one variable.
 pub(super) struct Derivatives {
@@ -35,9 +47,11 @@ pub(super) struct Derivatives {
 
 impl Sliding {
     /// Finds the memory whose rates are 0, by Newton's method from 0; `None` if there is none.
-    pub(crate) fn of<L: ContactLaw>(law: &L, slip: Slip<f64>) -> Option<Self> {
+    pub(crate) fn of<L: ContactLaw>(law: &L, slip: Slip<f64>, load: f64) -> Option<Self> {
         let count = L::Memory::<f64>::COUNT;
-        Self::find(count, &|memory, by| derivatives(law, slip, memory, by))
+        Self::find(count, &|memory, by| {
+            derivatives(law, (slip, load), memory, by)
+        })
     }
 
     fn find(count: usize, law: &Slopes<'_>) -> Option<Self> {
@@ -49,16 +63,7 @@ impl Sliding {
         }
         for _ in 0..MOST_ITERATIONS {
             let (here, rates) = Self::at(law, &memory);
-            // Variables that never change in slip, such as the clock of `Dwell`, stay as they are.
-            let matrix = DMatrix::from_fn(count, count, |i, j| {
-                let alone = if i == j { 1.0 } else { 0.0 };
-                if here.changes(i) {
-                    here.rates_by_memory[(i, j)]
-                } else {
-                    alone
-                }
-            });
-            let change = matrix.lu().solve(&DVector::from_vec(rates))?;
+            let change = here.memory_for(rates)?;
             let mut settled = true;
             for (number, change) in std::iter::zip(&mut memory, change.iter()) {
                 *number -= change;
@@ -71,10 +76,34 @@ impl Sliding {
         None
     }
 
+    /// The change of the memory that changes its rates by these. Variables that never change in
+    /// slip, such as the clock of `Dwell`, stay as they are.
+    fn memory_for(&self, rates: Vec<f64>) -> Option<DVector<f64>> {
+        let count = rates.len();
+        let matrix = DMatrix::from_fn(count, count, |i, j| {
+            let alone = if i == j { 1.0 } else { 0.0 };
+            if self.changes(i) {
+                self.rates_by_memory[(i, j)]
+            } else {
+                alone
+            }
+        });
+        matrix.lu().solve(&DVector::from_vec(rates))
+    }
+
+    /// The derivative of the coefficient by the load, while the memory stays stationary.
+    pub(crate) fn by_load(&self) -> Option<f64> {
+        let change = self.memory_for(self.rates_by_load.clone())?;
+        let parts = std::iter::zip(&self.by_memory, &change);
+        Some(-parts.map(|(slope, change)| slope * change).sum::<f64>())
+    }
+
     /// Returns true if slip changes memory variable i.
     fn changes(&self, i: usize) -> bool {
         let row = self.rates_by_memory.row(i);
-        self.rates_by_speed[i] != 0.0 || row.iter().any(|rate| *rate != 0.0)
+        self.rates_by_speed[i] != 0.0
+            || self.rates_by_load[i] != 0.0
+            || row.iter().any(|rate| *rate != 0.0)
     }
 
     /// Returns true if memory variable i neither changes in slip nor influences anything.
@@ -86,8 +115,11 @@ impl Sliding {
     /// All derivatives with this memory, and its rates.
     fn at(law: &Slopes<'_>, memory: &[f64]) -> (Self, Vec<f64>) {
         let count = memory.len();
-        let by_speed = law(memory, None);
-        let by_memory: Vec<_> = (0..count).map(|j| law(memory, Some(j))).collect();
+        let by_speed = law(memory, Input::Speed);
+        let by_memory = (0..count).map(|j| law(memory, Input::Memory(j)));
+        let by_memory: Vec<_> = by_memory.collect();
+        let by_load = (count > 0).then(|| law(memory, Input::Load));
+        let by_load = by_load.iter().flat_map(|by| &by.rates);
         let (rates, rates_by_speed) = by_speed.rates.iter().map(|&[rate, by]| (rate, by)).unzip();
         let sliding = Self {
             memory: memory.to_vec(),
@@ -95,21 +127,22 @@ impl Sliding {
             slope: by_speed.coefficient[1],
             by_memory: by_memory.iter().map(|by| by.coefficient[1]).collect(),
             rates_by_speed,
+            rates_by_load: by_load.map(|&[_, by]| by).collect(),
             rates_by_memory: DMatrix::from_fn(count, count, |i, j| by_memory[j].rates[i][1]),
         };
         (sliding, rates)
     }
 }
 
-/// Values and derivatives by memory variable `by`, or by the sliding speed for `None`.
+/// Values and derivatives by an input, in slip under a load.
 pub(super) fn derivatives<L: ContactLaw>(
     law: &L,
-    slip: Slip<f64>,
+    (slip, load): (Slip<f64>, f64),
     memory: &[f64],
-    by: Option<usize>,
+    by: Input,
 ) -> Derivatives {
     Tape::new().run(0, |run| {
-        let number = |which: Option<usize>, value: f64| {
+        let number = |which: Input, value: f64| {
             if which == by {
                 run.variable(value)
             } else {
@@ -117,13 +150,14 @@ pub(super) fn derivatives<L: ContactLaw>(
             }
         };
         let slip = Slip {
-            speed: number(None, slip.speed),
+            speed: number(Input::Speed, slip.speed),
             direction: slip.direction,
             piece: slip.piece,
         };
-        let memory = L::Memory::from_fn(|j| number(Some(j), memory[j]));
+        let memory = L::Memory::from_fn(|j| number(Input::Memory(j), memory[j]));
+        let load = number(Input::Load, load);
         let coefficient = law.coefficient(slip, memory);
-        let rates = law.rates(Motion::Slip(slip), memory);
+        let rates = law.rates(Motion::Slip(slip), load, memory);
         let rates = rates.as_ref().iter();
         Derivatives {
             coefficient: [coefficient.value(), coefficient.derivative()],

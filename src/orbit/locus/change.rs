@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, minimum_behind, speeds};
+use super::super::linear::load_at_end;
 use super::super::map::PeriodMap;
 use super::super::trial::TrialMotion;
 use super::found::LocusKind;
@@ -123,9 +124,7 @@ pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) 
     let (kinetic, limit) = contact.coefficients_at_rest(*side, memory);
     let limit = limit?;
     let h = step.duration();
-    let load = contact.load.series(step.clock()).at(h)
-        + contact.displacement_load(|j| event.state.displacements[j]);
-    let friction = load * contact.compliance * (kinetic + limit);
+    let friction = load_at_end(contact, step)[0] * contact.compliance * (kinetic + limit);
     let rate = speeds(form, step, event.contact, *side).slope_at(h);
     (friction > 0.0).then(|| -rate / friction - 1.0)
 }

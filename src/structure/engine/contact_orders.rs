@@ -89,6 +89,7 @@ impl ContactSeries {
     pub(super) fn law_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         let slip = self.slip(k);
         let mut memory = MemoryOrder {
+            load: self.load[k] / contact.compliance,
             series: &self.memories,
             rates: &mut self.rates,
         };
@@ -109,8 +110,12 @@ impl ContactSeries {
             };
             return;
         }
-        let (memories, rates) = (&self.memories, &mut self.rates);
-        self.limits[k] = contact.law.stick_order(&mut self.tape, k, memories, rates);
+        let mut memory = MemoryOrder {
+            load: self.load[k] / contact.compliance,
+            series: &self.memories,
+            rates: &mut self.rates,
+        };
+        self.limits[k] = contact.law.stick_order(&mut self.tape, k, &mut memory);
         self.bound[k] = if self.load_varies {
             (0..=k).map(|l| self.load[l] * self.limits[k - l]).sum()
         } else {

@@ -306,11 +306,13 @@ impl ContactStep<'_> {
     fn memory_holds(&self, times: [f64; 4], lasting: [f64; 4]) -> bool {
         let (series, law) = (self.series, self.contact.law);
         let motions = self.motions_at(times);
+        let loads = self.loads_at(times);
+        let given = loads.map(|load| load / self.contact.compliance);
         let mut accepted = true;
         if self.state.sticks() {
             let scale = series.bound[0].abs().max(self.size);
             let allowance = Allowance::new(self.tolerance * scale, scale);
-            let (loads, bounds) = (self.loads_at(times), series.bound.at_some(times));
+            let bounds = series.bound.at_some(times);
             for i in 0..4 {
                 let limit = law.limit(&|j| series.memories[j].at(times[i]));
                 let missing = limit.map_or(0.0, |limit| (limit * loads[i] - bounds[i]).abs());
@@ -322,7 +324,7 @@ impl ContactStep<'_> {
             // A defect on a slow manifold displaces the manifold by the defect divided by D.
             let relaxation = match motions[i] {
                 Motion::Slip(slip) if series.relaxation > 0.0 => {
-                    relaxation(law, slip, memory(0)).max(0.0)
+                    relaxation(law, (slip, given[i]), memory(0)).max(0.0)
                 }
                 _ => 0.0,
             };
@@ -335,7 +337,7 @@ impl ContactStep<'_> {
                 let allowance = Allowance::new(self.tolerance * scale, largest);
                 accepted &= allowance.accepts([missing; 3], lasting);
             };
-            law.rates(motions[i], memory, &mut take);
+            law.rates(motions[i], given[i], memory, &mut take);
         }
         accepted
     }
@@ -366,15 +368,17 @@ impl ContactStep<'_> {
             return false;
         };
         let mut counts = false;
+        let load = self.loads_at([time; 4])[0];
+        let given = load / self.contact.compliance;
         for factor in [1.0, 2.0] {
             let memory = &|j: usize| factor * series.memories[j].at(time);
-            law.rates(Motion::Slip(here), memory, &mut |j, rate| {
+            law.rates(Motion::Slip(here), given, memory, &mut |j, rate| {
                 let allowance = Allowance::new(self.tolerance * self.memory_scale(j), 0.0);
                 let all = rate.abs() + series.memories[j].slope_at(time).abs();
                 counts |= !allowance.accepts([all; 3], lasting);
             });
             let [value, at_slowest] = [here, there].map(|slip| law.coefficient(slip, memory));
-            let all = series.load.at(time) * (value - at_slowest);
+            let all = load * (value - at_slowest);
             counts |= !self.allowance.accepts([all.abs(); 3], lasting);
         }
         counts

@@ -197,7 +197,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         groups.start(i, numbers);
         match model.owner[i] {
             Some(c) if contacts[c].mode == StepMode::Slip => {
-                groups.slip(i, model.contacts[c].law, &contacts[c]);
+                groups.slip(i, &model.contacts[c], &contacts[c]);
             }
             Some(_) => {}
             None => groups.free(i),
@@ -220,7 +220,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
                 };
                 groups.spring(number, [stiffness, side], speeds);
             }
-            None => groups.slip(number, contact.law, of),
+            None => groups.slip(number, contact, of),
         }
         if !contact.belt_velocity.is_constant() {
             groups.drive(number, &PowerSeries::ZERO, Some(&of.surface));

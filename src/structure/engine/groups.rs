@@ -24,10 +24,10 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::contact::ContactData;
 use super::contact_series::{ContactSeries, StepMode, correction};
 use super::coordinate_series::{ALL, DisplacementSeries};
 use super::model::Model;
-use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
 use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, plus, times};
 use crate::scalar::recorded::Recorder;
@@ -254,14 +254,17 @@ impl Groups {
         self.series.groups[group].side[lane] = 1.0;
     }
 
-    /// Sets a contact to slip, with its law and its series so far.
-    pub(super) fn slip(&mut self, number: usize, law: &dyn LawObject, of: &ContactSeries) {
+    /// Sets a contact to slip, with its series so far.
+    pub(super) fn slip(&mut self, number: usize, contact: &ContactData<'_>, of: &ContactSeries) {
         let Slot { group, lane } = Slot::of(number);
         let group = &mut self.series.groups[group];
         (group.side[lane], group.load[lane]) = (of.side, of.load[0]);
         (group.speeds[0][lane], group.speeds[1][lane]) = (of.speeds[0], of.speeds[1]);
         group.friction[0][lane] = of.friction[0];
-        let output = law.record(&mut self.recorder, of.slip(0), &|j| of.memories[j][0]);
+        let load = of.load[0] / contact.compliance;
+        let memory = &|j: usize| of.memories[j][0];
+        let law = contact.law;
+        let output = law.record(&mut self.recorder, of.slip(0), load, memory);
         let mut open = group.chunks[..group.used].iter_mut();
         let place = open.position(|chunk| chunk.take(lane, &mut self.recorder, output));
         let place = place.unwrap_or_else(|| {

@@ -443,12 +443,12 @@ impl<'s> Engine<'s> {
                 continue;
             }
             // The start first: where its numbers are not finite, neither are the series.
-            let start = (state.speed(), state.memory.clone());
+            let start = (state.speed(), of.load[0], state.memory.clone());
             let along = quarters(2.0 * step).map(|t| {
                 let memory = of.memories.iter().map(|z| z.at(t));
-                (of.speeds.at(t), memory.collect())
+                (of.speeds.at(t), of.load.at(t), memory.collect())
             });
-            for (speed, memory) in std::iter::once(start).chain(along) {
+            for (speed, load, memory) in std::iter::once(start).chain(along) {
                 let memory: &Vec<f64> = &memory;
                 let slip = state.slip(speed.max(0.0));
                 let at = &|j: usize| memory[j];
@@ -460,10 +460,11 @@ impl<'s> Engine<'s> {
                     None => (Motion::Stick, contact.law.limit(at).unwrap_or(0.0)),
                 };
                 let mut numbers = vec![value];
+                let take = &mut |_, rate| numbers.push(rate);
                 contact
                     .law
-                    .rates(motion, at, &mut |_, rate| numbers.push(rate));
-                let given = memory.iter().chain([&speed]);
+                    .rates(motion, load / contact.compliance, at, take);
+                let given = memory.iter().chain([&speed, &load]);
                 if given.into_iter().all(|x| x.is_finite())
                     && let Some(&value) = numbers.iter().find(|x| !x.is_finite())
                 {

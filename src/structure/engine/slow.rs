@@ -158,7 +158,9 @@ impl Slow<'_, '_> {
                 continue;
             };
             if let (Some(slip), 0.0) = (state.slip(speed), contact.relaxation) {
-                let rate = relaxation(self.model.contacts[c].law, slip, *memory);
+                let data = &self.model.contacts[c];
+                let load = contact.load[0] / data.compliance;
+                let rate = relaxation(data.law, (slip, load), *memory);
                 if rate * reach > SETTLING {
                     contact.relaxation = rate;
                     self.control.begun.push(c);
@@ -251,8 +253,8 @@ impl Slow<'_, '_> {
     }
 }
 
-/// D at a memory of one variable, or 0 where it does not relax by itself.
-pub(super) fn relaxation(law: &dyn LawObject, slip: Slip<f64>, memory: f64) -> f64 {
+/// D at a memory of one variable under a load, or 0 where it does not relax by itself.
+pub(super) fn relaxation(law: &dyn LawObject, (slip, load): (Slip<f64>, f64), memory: f64) -> f64 {
     /// The increment relative to the memory: the difference has half the digits, which is enough.
     const PART: f64 = 1.0 / (1 << 26) as f64;
     if memory == 0.0 {
@@ -261,7 +263,7 @@ pub(super) fn relaxation(law: &dyn LawObject, slip: Slip<f64>, memory: f64) -> f
     let rate = |factor: f64| {
         let mut rate = 0.0;
         let take = &mut |_, now| rate = now;
-        law.rates(Motion::Slip(slip), &|_| memory * factor, take);
+        law.rates(Motion::Slip(slip), load, &|_| memory * factor, take);
         rate
     };
     (rate(1.0) - rate(1.0 + PART)) / (PART * memory)
