@@ -42,14 +42,10 @@ use crate::numerics::bracket::root_between;
 /// assert_eq!(period(1.0, 1.0, -0.1, 10.0_f64.sqrt() + 1e-9), None);
 /// ```
 pub fn period(mass: f64, stiffness: f64, cubic: f64, amplitude: f64) -> Option<f64> {
-    let is_in_range = mass > 0.0 && amplitude > 0.0;
-    let spring = Spring {
-        mass,
-        stiffness,
-        cubic,
-    };
-    let period = 2.0 * spring.swing(amplitude, -amplitude);
-    (is_in_range && spring.turns_at(amplitude) && period.is_finite()).then_some(period)
+    let is_in_range = mass > 0.0 && amplitude > 0.0 && amplitude.is_finite();
+    let (spring, stiff) = Spring::in_units_of(amplitude, stiffness, cubic);
+    let period = mass.sqrt() / stiff.sqrt() * (2.0 * spring.swing(1.0, -1.0));
+    (is_in_range && spring.turns() && period.is_finite()).then_some(period)
 }
 
 /// Free vibration with dry friction and without damping: times and displacements of the turning
@@ -93,28 +89,28 @@ pub fn friction_decay(
     static_friction: f64,
     start: f64,
 ) -> Option<impl Iterator<Item = (f64, f64)> + use<>> {
-    let spring = Spring {
-        mass,
-        stiffness,
-        cubic,
-    };
+    let (spring, stiff) = Spring::in_units_of(start, stiffness, cubic);
+    let unit = mass.sqrt() / stiff.sqrt();
     let is_in_range = mass > 0.0
-        && mass.is_finite()
+        && unit.is_finite()
         && stiffness >= 0.0
         && kinetic_friction >= 0.0
         && static_friction >= kinetic_friction
         && static_friction.is_finite()
-        && spring.turns_at(start)
-        && spring.force(start).is_finite();
+        && start.is_finite()
+        && spring.turns();
+    // Forces, displacements and times in units of the force at A, of A and of √(m/(k + c3A²)).
+    let [kinetic, most] = [kinetic_friction, static_friction].map(|f| f / stiff / start.abs());
     let next = move |&(time, turn): &(f64, f64)| {
-        if spring.force(turn).abs() <= static_friction {
+        if spring.force(turn).abs() <= most {
             return None;
         }
         let a = turn.abs();
-        let b = spring.next_turn(a, kinetic_friction);
+        let b = spring.next_turn(a, kinetic);
         Some((time + spring.swing(a, -b), -turn.signum() * b))
     };
-    is_in_range.then(|| std::iter::successors(Some((0.0, start)), next))
+    let turns = is_in_range.then(|| std::iter::successors(Some((0.0, 1.0)), next));
+    turns.map(|turns| turns.map(move |(time, turn)| (unit * time, start * turn)))
 }
 
 /// An amplitude of the response to a harmonic force, by first-harmonic theory.
@@ -204,24 +200,33 @@ pub fn response(
     balance.amplitudes(force).into_iter().map(of).collect()
 }
 
-/// A mass on a spring, without damping.
+/// A spring, in units of an amplitude and of its stiffness k + c3A² there: k + c3 = 1, and no
+/// square overflows.
 #[derive(Debug, Clone, Copy)]
 struct Spring {
-    mass: f64,
     stiffness: f64,
     cubic: f64,
 }
 
 impl Spring {
+    /// The spring in units of an amplitude A, and k + c3A².
+    fn in_units_of(amplitude: f64, stiffness: f64, cubic: f64) -> (Self, f64) {
+        let added = cubic * amplitude * amplitude;
+        let unit = stiffness + added;
+        let spring = Self {
+            stiffness: stiffness / unit,
+            cubic: added / unit,
+        };
+        (spring, unit)
+    }
+
     fn force(&self, x: f64) -> f64 {
         (self.stiffness + self.cubic * x * x) * x
     }
 
-    /// Returns true if a mass at rest at ±x swings through 0 and, without friction, back.
-    fn turns_at(&self, x: f64) -> bool {
-        let added = self.cubic * x * x;
-        let stiffnesses = [self.stiffness + added, self.stiffness + 0.5 * added];
-        stiffnesses.iter().all(|k| *k > 0.0 && k.is_finite())
+    /// Returns true if a mass at rest at ±1 swings through 0 and, without friction, back.
+    fn turns(&self) -> bool {
+        self.stiffness + 0.5 * self.cubic > 0.0 && self.cubic.is_finite()
     }
 
     /// b, the turning point after a on the other side.
@@ -251,7 +256,7 @@ impl Spring {
         let product = at(a) * at(x);
         let sum = a + x;
         let other = 0.5 * (self.stiffness + 3.0 * cubic * sum * sum + 2.0 * product).sqrt();
-        (0.5 * self.mass).sqrt() * PI / arithmetic_geometric_mean(product.sqrt(), other)
+        0.5_f64.sqrt() * PI / arithmetic_geometric_mean(product.sqrt(), other)
     }
 }
 

@@ -309,7 +309,8 @@ impl DwellOscillator {
             cycle.max_sliding_speed,
             cycle.period(),
         ];
-        (sticks && numbers.iter().all(|x| x.is_finite())).then_some(cycle)
+        let is_known = numbers.iter().all(|x| x.is_finite()) && !cycle.multiplier.is_nan();
+        (sticks && is_known).then_some(cycle)
     }
 }
 

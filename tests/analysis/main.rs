@@ -5,6 +5,7 @@ use stick_slip_tests_common as common;
 mod averaging;
 mod duffing;
 mod formulas;
+mod hostile;
 mod jenkins;
 mod misprints;
 mod motions;
