@@ -7,6 +7,7 @@ use super::local_curve::LocalCurve;
 use super::map::PeriodMap;
 use super::unslipped::slips_one_way;
 use crate::motion::{EventKind, Segment};
+use crate::numerics::sort::sort_by;
 
 /// Distances beyond the last motion at which the border is searched, in units of a least one.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
@@ -19,9 +20,6 @@ const SAME: f64 = 1e-6;
 
 /// Or, if the jump is large, this part of it.
 const BEFORE: f64 = 0.01;
-
-/// Part of the period within which an event counts as one at its start.
-const NEAR: f64 = 1e-6;
 
 /// A jump above this, in units of the sizes, ends the branch; after a smaller one it may continue.
 pub(super) const LARGE: f64 = 1e-3;
@@ -42,7 +40,8 @@ pub(super) struct Discontinuity {
 /// its later events far before the border, and only an event near the start needs a second period.
 const PERIODS: [f64; 2] = [1.0, 2.0];
 
-/// A motion over three periods, and the events of the first, or of the first two.
+/// A motion over three periods, and the events of the first, or of the first two: time, contact and
+/// kind.
 #[derive(Clone)]
 struct Side {
     parameter: f64,
@@ -56,12 +55,12 @@ impl LocalCurve<'_, '_> {
     /// of these least distances; with its distance, and its size in units of the sizes.
     pub(super) fn discontinuity(&self, least: f64) -> Option<Discontinuity> {
         let mut found = PERIODS.into_iter();
-        let found = found.find_map(|periods| self.discontinuity_within(periods, least));
+        let found = found.find_map(|periods| self.jump(periods, least));
         found.or_else(|| self.already_slips())
     }
 
     /// The same, from the events of some periods.
-    fn discontinuity_within(&self, periods: f64, least: f64) -> Option<Discontinuity> {
+    fn jump(&self, periods: f64, least: f64) -> Option<Discontinuity> {
         let mut low = (0.0, self.side(0.0, periods)?);
         for away in AWAY {
             let high = (away * least, self.side(away * least, periods)?);
@@ -104,9 +103,8 @@ impl LocalCurve<'_, '_> {
     /// The motion from a start on the tangent, at a distance from the last point.
     fn side(&self, distance: f64, periods: f64) -> Option<Side> {
         let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
-        let modes = self.base.trial.map.end_modes();
-        let (map, period) = self.curve.motion(&y, modes, 3.0).ok()?;
-        let inside = NEAR * period..(periods + NEAR) * period;
+        let (map, period) = self.curve.motion(&y, &self.base.begin, 3.0).ok()?;
+        let inside = map.begins()..map.begins() + periods * period;
         let events = map.events().map(|(event, _)| event);
         let events = events.filter(|event| inside.contains(&event.time));
         let events = events.map(|event| (event.time, event.contact, event.kind));
@@ -157,11 +155,20 @@ impl Side {
         counts == [self.alike(other, part); 2]
     }
 
-    /// The events of one period that begins at a time.
-    fn kinds_from(&self, begin: f64) -> Vec<(usize, EventKind)> {
-        let inside = begin + NEAR * self.period..begin + (1.0 + NEAR) * self.period;
+    /// A time since the last time 0 of the drives.
+    fn since_zero(&self, time: f64) -> f64 {
+        time.rem_euclid(self.period)
+    }
+
+    /// The events of the period in which a time lies, from time 0 of the drives on.
+    fn kinds_around(&self, time: f64) -> Vec<(usize, EventKind)> {
+        let begins = self.map.begins();
+        let begin = begins + ((time - begins) / self.period).floor() * self.period;
+        let inside = begin..begin + self.period;
         let events = self.events.iter();
-        let events = events.filter(|event| inside.contains(&event.0));
+        let mut events: Vec<_> = events.filter(|event| inside.contains(&event.0)).collect();
+        sort_by(&mut events, |event| self.since_zero(event.0));
+        let events = events.into_iter();
         events.map(|&(_, contact, kind)| (contact, kind)).collect()
     }
 
@@ -189,17 +196,12 @@ impl Side {
         if jump <= JUMP || self.apart(beyond, time)? > same {
             return None;
         }
-        let begin = if time > (1.0 + NEAR) * self.period {
-            self.period
-        } else {
-            0.0
-        };
         let end = BranchEnd::Discontinuity {
             parameter: self.parameter,
-            time: time - begin,
+            time: self.since_zero(time),
             contact,
-            events: self.kinds_from(begin),
-            beyond: beyond.kinds_from(begin),
+            events: self.kinds_around(time),
+            beyond: beyond.kinds_around(time),
         };
         Some((jump, end))
     }
