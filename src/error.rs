@@ -27,8 +27,8 @@ pub use structure::{Element, NotSliding};
 /// |---|---|
 /// | constructors of laws and of a [`MassOnBelt`](crate::MassOnBelt) | [`InvalidParameter`](Self::InvalidParameter), [`BadPoint`](Self::BadPoint), [`StaticBelowKinetic`](Self::StaticBelowKinetic), [`NonFiniteFriction`](Self::NonFiniteFriction), [`BadBreakpoints`](Self::BadBreakpoints) |
 /// | every motion | [`InvalidState`](Self::InvalidState), [`InvalidTolerance`](Self::InvalidTolerance), [`InvalidDuration`](Self::InvalidDuration), [`NonFiniteFriction`](Self::NonFiniteFriction), [`NotAnalytic`](Self::NotAnalytic), [`StepUnderflow`](Self::StepUnderflow), [`TooManySteps`](Self::TooManySteps), [`TooManyEvents`](Self::TooManyEvents) |
-/// | constructors of a [`Structure`](crate::Structure) | [`BadElement`](Self::BadElement), [`NoSuchCoordinate`](Self::NoSuchCoordinate), [`WrongSize`](Self::WrongSize), [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite), [`BadDirection`](Self::BadDirection), [`LawNotConstant`](Self::LawNotConstant), [`BeltVelocityJumps`](Self::BeltVelocityJumps) |
-/// | motions of a [`Structure`](crate::Structure), also of its steady sliding | [`WrongSize`](Self::WrongSize), [`OverLimit`](Self::OverLimit), [`Separation`](Self::Separation), [`TooManyMechanisms`](Self::TooManyMechanisms), [`NoSteadySliding`](Self::NoSteadySliding), [`NonFiniteForce`](Self::NonFiniteForce), [`NotAnalyticForce`](Self::NotAnalyticForce) |
+/// | constructors of a [`Structure`](crate::Structure) | [`BadElement`](Self::BadElement), [`NoSuchCoordinate`](Self::NoSuchCoordinate), [`NoSuchState`](Self::NoSuchState), [`WrongSize`](Self::WrongSize), [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite), [`BadDirection`](Self::BadDirection), [`LawNotConstant`](Self::LawNotConstant), [`BeltVelocityJumps`](Self::BeltVelocityJumps) |
+/// | motions of a [`Structure`](crate::Structure), also of its steady sliding | [`WrongSize`](Self::WrongSize), [`OverLimit`](Self::OverLimit), [`Separation`](Self::Separation), [`TooManyMechanisms`](Self::TooManyMechanisms), [`Jammed`](Self::Jammed), [`WrongWay`](Self::WrongWay), [`NoSteadySliding`](Self::NoSteadySliding), [`NonFiniteForce`](Self::NonFiniteForce), [`NotAnalyticForce`](Self::NotAnalyticForce), [`NonFiniteRate`](Self::NonFiniteRate), [`NotAnalyticRate`](Self::NotAnalyticRate) |
 /// | searches along a parameter | [`At`](Self::At), [`Stopped`](Self::Stopped) |
 /// | searches of [`orbit`](crate::orbit) | [`NotPeriodic`](Self::NotPeriodic), [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree), [`AtRest`](Self::AtRest), [`NoHopfPoint`](Self::NoHopfPoint), [`NoSwitch`](Self::NoSwitch), [`NotSmooth`](Self::NotSmooth), [`NoDerivative`](Self::NoDerivative) |
 ///
@@ -244,6 +244,41 @@ pub enum Error {
         reached: Reached,
     },
 
+    /// A law in the rate of a [first-order state](crate::FirstOrder) returned NaN or ±∞ on a
+    /// motion, or grows without bound there.
+    #[error(
+        "the law of first-order state {state} gives {value} at {} {reached}; define it at every \
+         value that the motion reaches, or stop the motion before a pole",
+        Plain(*position)
+    )]
+    NonFiniteRate {
+        /// Number of the state, counted from 0.
+        state: usize,
+        /// The input x of the law.
+        position: f64,
+        /// The rate: NaN, infinite, or the large value that was reached.
+        value: f64,
+        /// The time and state reached.
+        reached: Reached,
+    },
+
+    /// A law in the rate of a [first-order state](crate::FirstOrder) has no power series at a value
+    /// that the motion reaches, such as √x at x = 0.
+    #[error(
+        "the law of first-order state {state} is not analytic at {} {reached}; use integer powers \
+         there, or declare the value as a breakpoint and define the pieces by functions that are \
+         analytic on both sides of it",
+        Plain(*position)
+    )]
+    NotAnalyticRate {
+        /// Number of the state, counted from 0.
+        state: usize,
+        /// The input x of the law.
+        position: f64,
+        /// The time and state reached.
+        reached: Reached,
+    },
+
     /// A mass, stiffness, damping, force or contact of a structure is outside its range, infinite
     /// or NaN.
     #[error(
@@ -271,6 +306,20 @@ pub enum Error {
         /// The coordinate that was given.
         coordinate: usize,
         /// Number of coordinates.
+        count: usize,
+    },
+
+    /// A first-order state reads one that does not exist.
+    #[error(
+        "{element}: there is no first-order state {state}; there are {count}, numbered from 0; add \
+         states that read each other together, by `Structure::with_first_orders`"
+    )]
+    NoSuchState {
+        /// The element of the structure.
+        element: Element,
+        /// The number of the state that was given.
+        state: usize,
+        /// Number of first-order states.
         count: usize,
     },
 
@@ -392,6 +441,35 @@ pub enum Error {
         reached: Reached,
     },
 
+    /// Freewheels, or other contacts with an infinite limit, would have to move with surfaces that
+    /// part: no finite force and no finite acceleration exists.
+    #[error(
+        "contacts {contacts:?} jam {reached}: each of them slips in one direction only, and their \
+         surfaces move so that all would have to slip the other way; turn one of them round, or \
+         give it a finite limit by `Directional`"
+    )]
+    Jammed {
+        /// The numbers of these contacts.
+        contacts: Vec<usize>,
+        /// The time and state reached.
+        reached: Reached,
+    },
+
+    /// A freewheel, or another contact with an infinite limit, moves in the direction in which it
+    /// cannot slip, at a start or when it closes.
+    #[error(
+        "contact {contact} closes with the relative velocity {}, in the direction in which it \
+         cannot slip; start at rest or in the other direction, or turn it round by exchanging its \
+         coordinates",
+        Plain(*velocity)
+    )]
+    WrongWay {
+        /// Number of the contact.
+        contact: usize,
+        /// The relative velocity r, in units of velocity.
+        velocity: f64,
+    },
+
     /// The law of an elastic contact is not constant
     /// ([`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness)). The
     /// displacement of the slider would not be determined when slip starts.
@@ -402,8 +480,9 @@ pub enum Error {
         Coefficients(*coefficients)
     )]
     LawNotConstant {
-        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, such as a bristle
-        /// model: its friction at rest depends on its memory variables alone.
+        /// μ_s and μ̂(0), dimensionless: the larger μ_s and the smaller μ̂(0) of both directions;
+        /// `None` for a law that never sticks, such as a bristle model: its friction at rest
+        /// depends on its memory variables alone.
         coefficients: Option<[f64; 2]>,
     },
 

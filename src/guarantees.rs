@@ -142,6 +142,12 @@
 //!   `structures::contacts::parallel_clutches_lock_and_slip_together`,
 //!   `structures::dependent::decisions_of_dependent_contacts_solve_the_programme`,
 //!   `structures::dependent::a_ring_slips_at_the_least_sum_of_limits`.
+//! * **Limits by direction.** Friction that is the same in both directions gives the same bits as a
+//!   law of one coefficient: `structures::directional::equal_laws_are_one_law`. Unequal and
+//!   infinite limits are decided by the same rule:
+//!   `structures::decisions::decisions_of_limits_by_direction_are_those_of_all_patterns_tried`,
+//!   `structures::directional::large_limits_are_infinite_ones`,
+//!   `structures::directional::mirrored_systems_move_mirrored`.
 //! * **Loads.** If a load that depends on time alone falls below 0 and rises again, its contact
 //!   opens and closes. A load that only touches 0 causes no event. If a contact has a
 //!   load gradient and no normal spring, and its load falls to 0, the motion ends with
@@ -173,6 +179,15 @@
 //!   `structures::forces::a_factor_is_a_stiffness_that_varies`. A motion that meets a singular
 //!   point of a force ends with an error that names the place:
 //!   `structures::forces::singular_points_of_a_force_are_named`.
+//! * **First-order states.** A state has the motions, events included, of the velocity of a
+//!   coordinate of mass 1 on whose displacement nothing depends, to rounding errors and their
+//!   magnification by the problem:
+//!   `structures::first_order::first_order_states_are_velocities_of_coordinates`.
+//!   Linear systems follow the matrix exponential:
+//!   `structures::first_order::linear_systems_follow_the_matrix_exponential`. Multipliers are those
+//!   of the system with coordinates, and those of differences:
+//!   `orbit::first_order::multipliers_are_those_of_coordinates_in_place_of_states`,
+//!   `orbit::first_order::monodromy_is_the_derivative_of_the_period_map`.
 //! * **Steady sliding with force elements** is one of several solutions, found by Newton's method
 //!   from given displacements; no completeness is promised:
 //!   `structures::forces::steady_sliding_is_found_with_nonlinear_forces`.

@@ -77,10 +77,13 @@
 //! | a stop | elastic: [`Backlash`] with the stiffness of the stop; rigid impacts are not available |
 //! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`] |
 //! | a stiffness that varies in time (gear mesh, Mathieu's equation) | [`ForceElement::with_factor`], with the law [`PolynomialSpring`] of one coefficient |
-//! | a controller | linear feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; other feedback: your own [`ForceField`]; a filter of second order is a coordinate of its own; delays are not available |
+//! | a controller | integral action (PID), a motor's current, an actuator, a filter: [`FirstOrder`]; proportional feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; nonlinear feedback: your own [`ForceField`], or a law in a [`FirstOrder`]; delays are not available |
+//! | a Maxwell damper, a viscoelastic mount | [`FirstOrder::lag`] |
 //! | a nonlinear damper, or any other force of displacements and velocities | [`VanDerPol`], or your own [`ForceLaw`] or [`ForceField`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
-//! | a law that depends on the direction | in slip: a [`ContactLaw`] receives the direction, a [`FrictionLaw`] is odd in the relative velocity; in stick: not available, the limit μ_s is the same in both directions |
+//! | friction that depends on the direction: scaled skin, crawlers, hair, nap | [`Directional`] of two laws, or your own [`ContactLaw`] with [`limits`](ContactLaw::limits); a [`FrictionLaw`] is odd in the relative velocity |
+//! | a rope or a band around a drum (capstan, band brake) | [`Directional::capstan`] |
+//! | a freewheel, a one-way clutch, a backstop | [`Contact::freewheel`], also with drag; along any direction: [`Freewheel`] |
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
 //! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
@@ -184,7 +187,8 @@
 //! `structures` and `orbits` are on by default. Without them there is one mass on a belt, with all
 //! its searches and formulas, and `nalgebra` is not needed: `default-features = false`.
 //!
-//! * `structures`: adds [`structure`], [`Structure`], [`Contact`], [`ForceElement`] and [`Drive`].
+//! * `structures`: adds [`structure`], [`Structure`], [`Contact`], [`ForceElement`], [`FirstOrder`]
+//!   and [`Drive`].
 //! * `orbits`: adds [`orbit`] and [`bifurcation::hopf_locus`], and turns on `structures`.
 //! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes, but
 //!   does not read, equilibria, cycles and diagrams. `schema` lists the names.
@@ -257,14 +261,14 @@ pub mod structure;
 pub use belt::{Equilibrium, Flow, Jacobian, MassOnBelt, Stability, Step};
 #[cfg(feature = "structures")]
 pub use drive::{Drive, TimeFunction};
-pub use error::{Error, Reached};
+pub use error::{Element, Error, Reached};
 #[cfg(feature = "structures")]
 pub use force::{
     Backlash, ForceField, ForceLaw, Pendulum, PolynomialSpring, SnapThrough, TabulatedForce,
     VanDerPol,
 };
 pub use friction::memory::{
-    AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip, Variables,
+    AnyContactLaw, ContactLaw, Dahl, Directional, Dwell, Freewheel, LuGre, Motion, Slip, Variables,
 };
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Iwan4, LawFault, Polynomial, Rational, Scaled,
@@ -284,7 +288,7 @@ pub use scaling::{Physical, Scaling};
 pub use search::{Progress, Search};
 pub use state::{Direction, State};
 #[cfg(feature = "structures")]
-pub use structure::{Contact, ForceElement, Structure};
+pub use structure::{Contact, FirstOrder, ForceElement, Structure};
 
 /// Compiles the program of the README as a test.
 #[cfg(doctest)]

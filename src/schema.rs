@@ -28,6 +28,8 @@
 //! | [`Rational`](crate::Rational) | `static_coefficient`, `decay`; optional: `offset` (0), `quadratic` (0) | yes |
 //! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; optional: `static_coefficient` (that of the first point), `piecewise_linear` (false) | yes |
 //! | [`AnyLaw`](crate::AnyLaw) | `coulomb`, `exponential`, `polynomial`, `stribeck`, `rational` or `tabulated`, with that law | yes |
+//! | [`Directional`](crate::Directional) | `forward`, `backward`: laws | yes |
+//! | [`Freewheel`](crate::Freewheel) | `drag`: a law | yes |
 //! | [`Dwell`](crate::Dwell) | `exponential` or `hyperbolic`, with `law`, `limit`, `time`; or `logarithmic`, with `law`, `rate`, `time` | yes |
 //! | [`Dahl`](crate::Dahl) | `coefficient`, `stiffness` | yes |
 //! | [`LuGre`](crate::LuGre) | `law`, `stiffness`; optional: `damping` (0), `viscous` (0) | yes |
@@ -47,9 +49,10 @@
 //! | [`Drive`](crate::Drive) | all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value]; a drive with a function of your own is not written | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`; `law`: a map from the name of the law to the law, see below; `load`: a drive; optional: the fields of the next row | yes |
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
-//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements` (none) | yes |
+//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements`, `first_orders` (none) | yes |
 //! | [`ForceElement`](crate::ForceElement) | `direction`: a list of [coordinate, coefficient]; `law`: a map from the name of the law to the law, see below; optional: `factor` (1): a drive | yes |
-//! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
+//! | [`FirstOrder`](crate::FirstOrder) | all optional: `time_constant` (an integrator); `displacements`, `velocities`, `states`, `forces` (none): lists of [number, gain]; `drive` (0): a drive; `laws` (none): a list of maps with `law`, a map as in the row before, and `of`: `{"direction": [[coordinate, coefficient], …]}` or `{"state": number}` | yes |
+//! | [`Event`](crate::Event) | `time`, `element`: `{"contact": 0}`, by its number; `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`; with the direction: `release`, `crossing` | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
 //! | [`Direction`](crate::Direction) | `lagging`, `leading` | yes |
@@ -63,7 +66,7 @@
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
 //! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
 //! | [`structure::Sample`](crate::structure::Sample) | `time`, `state`, `modes`, `accelerations`, `friction`, `loads` | no |
-//! | [`EnergyBudget`](crate::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation`; lists, or numbers of a cycle of one mass | no |
+//! | [`EnergyBudget`](crate::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `element_work`, `first_order_work`, `damper_loss`, `circulation`; lists, or numbers of a cycle of one mass | no |
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
 //! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
 //! | [`Branch`](crate::orbit::Branch) | `points`: a list of maps with the fields `parameter`, `orbit`; `bifurcations`: a list of maps with the fields `parameter`, `kind`, `orbit`; `ends`: a list of two | no |
@@ -78,12 +81,12 @@
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
 //! The law of a contact is written under its name: `coulomb`, `exponential`, `polynomial`,
-//! `rational`, `stribeck`, `tabulated`, `dwell`, `dahl` or `lugre`, or `dry` for an
-//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. The law of a force element is written
-//! under its name: `polynomial_spring`, `pendulum`, `backlash`, `snap_through`, `van_der_pol` or
-//! `tabulated_force`. Your own law has no name, so writing its contact or its force element is an
-//! error. Write the parameters of the law separately, and add the contact or the element to the
-//! structure after reading.
+//! `rational`, `stribeck`, `tabulated`, `directional`, `freewheel`, `dwell`, `dahl` or `lugre`, or
+//! `dry` for an [`AnyContactLaw`](crate::AnyContactLaw) without memory. The law of a force element
+//! is written under its name: `polynomial_spring`, `pendulum`, `backlash`, `snap_through`,
+//! `van_der_pol` or `tabulated_force`. Your own law has no name, so writing its contact or its
+//! force element is an error. Write the parameters of the law separately, and add the contact or
+//! the element to the structure after reading.
 //!
 //! ```
 //! use stick_slip::nalgebra::DMatrix;

@@ -6,11 +6,12 @@ use stick_slip::bifurcation::{self, Criticality};
 use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Backlash, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction, Drive,
-    Dwell, Error, Event, EventKind, Exponential, ForceElement, ForceLaw, FrictionLaw, Iwan4,
-    LimitCycle, LuGre, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring,
-    Rational, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Stribeck, Structure,
-    Tabulated, TabulatedForce, TimeFunction, VanDerPol, limit_cycle, structure,
+    AnyContactLaw, AnyLaw, Backlash, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction,
+    Directional, Drive, Dwell, Error, Event, EventKind, Exponential, FirstOrder, ForceElement,
+    ForceLaw, Freewheel, FrictionLaw, Iwan4, LimitCycle, LuGre, MassOnBelt, Mode, Pendulum,
+    Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, SnapThrough,
+    Stability, State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction, VanDerPol,
+    limit_cycle, structure,
 };
 
 use stick_slip_tests_common::{on_belt, one_mass};
@@ -127,6 +128,22 @@ fn contact_laws_there_and_back() {
         Dahl::new(0.4, 50.0).unwrap() => r#"{"coefficient":0.4,"stiffness":50.0}"#;
         lugre => text;
         AnyContactLaw::from(lugre) => format!(r#"{{"lugre":{text}}}"#);
+    }
+    let sided = Directional::new(law, Coulomb::new(0.7, 0.6).unwrap()).unwrap();
+    there_and_back! {
+        sided.clone() => format!(
+            r#"{{"forward":{COULOMB},"backward":{}}}"#,
+            r#"{"static_coefficient":0.7,"kinetic_coefficient":0.6}"#
+        );
+        Freewheel::new(law).unwrap() => format!(r#"{{"drag":{COULOMB}}}"#);
+    }
+    let contacts = [
+        Contact::new(0, sided, 1.0),
+        Contact::freewheel(0, 1),
+        Contact::freewheel(0, 1).and_then(|c| c.on_belt(0.3).with_drag(table(), 2.0)),
+    ];
+    for contact in contacts {
+        there_and_back(&contact.unwrap());
     }
     // What may be left out.
     read! { LuGre<Coulomb>: of(r#""stiffness":50"#) => LuGre::new(law, 50.0, 0.0, 0.0).unwrap(); }
@@ -250,6 +267,55 @@ fn reading_force_elements_checks_what_constructors_check() {
 }
 
 #[test]
+fn first_order_states_there_and_back() {
+    let integral = FirstOrder::integrator()
+        .with_displacement(0, 1.0)
+        .and_then(|s| s.with_force(0, -0.5))
+        .unwrap();
+    let saturating = PolynomialSpring::new(&[1.0, 0.0, -0.5]).unwrap();
+    let lag = FirstOrder::lag(0.25)
+        .and_then(|s| s.with_velocity(0, 2.0))
+        .and_then(|s| s.with_state(0, 0.1))
+        .and_then(|s| s.with_drive(Drive::sine(0.5, 2.0)?))
+        .and_then(|s| s.with_law(&[(0, 1.0)], saturating.clone()))
+        .and_then(|s| s.with_law_of_state(1, saturating))
+        .and_then(|s| s.with_force(0, 0.3))
+        .unwrap();
+    let text = there_and_back(&integral);
+    assert!(
+        text.starts_with(r#"{"displacements":[[0,1.0]],"drive":"#),
+        "{text}"
+    );
+    let text = there_and_back(&lag);
+    for part in [
+        r#""time_constant":0.25"#,
+        r#""of":{"direction":[[0,1.0]]},"law":{"polynomial_spring":"#,
+        r#""of":{"state":1}"#,
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    let structure = Structure::new(&[1.0])
+        .and_then(|s| s.with_first_orders([integral, lag]))
+        .unwrap();
+    let text = there_and_back(&structure);
+    let read: Structure = serde_json::from_str(&text).unwrap();
+    let start = structure::State::new(&[0.3], &[1.0]).with_memory(&[0.1, -0.2]);
+    let [one, other] = [structure, read].map(|s| s.simulate(start.clone(), 5.0).unwrap());
+    assert_eq!(one.last(), other.last());
+    // Without states nothing is written of them.
+    let text = there_and_back(&Structure::new(&[1.0]).unwrap());
+    assert!(!text.contains("first_orders"), "{text}");
+    refuse! {
+        FirstOrder: r#"{"time_constant":0}"#, "time_constant = 0";
+        FirstOrder: r#"{"time":1}"#, "unknown field";
+        FirstOrder: r#"{"laws":[{"of":{"direction":[]},
+            "law":{"pendulum":{"moment":1,"length":1}}}]}"#, "direction";
+        Structure: r#"{"masses":[1],"first_orders":[{"states":[[1,1]]}]}"#, "first-order state 0";
+        Structure: r#"{"masses":[1],"first_orders":[{"forces":[[1,1]]}]}"#, "first-order state 0";
+    }
+}
+
+#[test]
 fn force_laws_of_a_user_are_not_written() {
     struct Toda;
     impl ForceLaw for Toda {
@@ -264,7 +330,7 @@ fn force_laws_of_a_user_are_not_written() {
     for part in [
         "force element",
         "user's own law",
-        "add the contact or the element",
+        "add the contact, the element or the state",
     ] {
         assert!(message.contains(part), "{message}");
     }

@@ -42,7 +42,7 @@ impl std::fmt::Display for Coefficients {
             Some([limit, kinetic]) => {
                 write!(
                     f,
-                    "has μ_s = {} and μ̂(0) = {}, or varies with the speed",
+                    "has μ_s = {} and μ̂(0) = {}, or varies with the speed or the direction",
                     Plain(limit),
                     Plain(kinetic)
                 )

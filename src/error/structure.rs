@@ -2,9 +2,15 @@
 
 use super::numbers::Plain;
 
-/// An element of a [`Structure`](crate::Structure), identified by numbers counted from 0.
+/// An element of a system, identified by numbers counted from 0. An [`Error`](crate::Error) and an
+/// [`Event`](crate::Event) name the element concerned.
 #[allow(clippy::enum_variant_names)] // as the type is called
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 #[non_exhaustive]
 pub enum Element {
     /// A mass, by its coordinate.
@@ -19,10 +25,22 @@ pub enum Element {
     Damping(usize, usize),
     /// The force on a coordinate, by the coordinate.
     Force(usize),
-    /// A contact, by its number.
+    /// A contact, by its number; 0 for a [`MassOnBelt`](crate::MassOnBelt), which has only one.
     Contact(usize),
     /// A [force element](crate::ForceElement), by its number.
     ForceElement(usize),
+    /// A [first-order state](crate::FirstOrder), by its number.
+    FirstOrder(usize),
+}
+
+impl Element {
+    /// The number of a contact; `None` for another element.
+    pub(crate) const fn contact(self) -> Option<usize> {
+        match self {
+            Self::Contact(contact) => Some(contact),
+            _ => None,
+        }
+    }
 }
 
 impl std::fmt::Display for Element {
@@ -35,6 +53,7 @@ impl std::fmt::Display for Element {
             Self::Force(i) => write!(f, "force on coordinate {i}"),
             Self::Contact(i) => write!(f, "contact {i}"),
             Self::ForceElement(i) => write!(f, "force element {i}"),
+            Self::FirstOrder(i) => write!(f, "first-order state {i}"),
         }
     }
 }
@@ -74,6 +93,14 @@ pub enum NotSliding {
     Deforms {
         /// The first coordinate whose velocity changes such a force.
         coordinate: usize,
+    },
+    /// A freewheel, or another contact with an infinite limit, would slip in the direction in which
+    /// it cannot: see [`Error::WrongWay`](crate::Error::WrongWay).
+    WrongWay {
+        /// Number of the contact.
+        contact: usize,
+        /// Its relative velocity.
+        velocity: f64,
     },
     /// A contact does not slip at the given velocities, but balance requires a force above its
     /// limit.
@@ -141,6 +168,12 @@ impl std::fmt::Display for NotSliding {
                 "the velocities are not those of a rigid-body motion: that of coordinate \
                  {coordinate} changes the force of a spring or a load; give the same velocity to \
                  coordinates that springs connect, and 0 to those held by the ground"
+            ),
+            Self::WrongWay { contact, velocity } => write!(
+                f,
+                "contact {contact} would slip at the velocity {}, in the direction in which it \
+                 cannot; give other velocities, or turn it round",
+                Plain(*velocity)
             ),
             Self::OverLimit {
                 contact,

@@ -117,6 +117,7 @@ impl Error {
             | Self::StaticBelowKinetic { .. }
             | Self::BadElement { .. }
             | Self::NoSuchCoordinate { .. }
+            | Self::NoSuchState { .. }
             | Self::WrongSize { .. }
             | Self::CoordinateTaken { .. }
             | Self::NotSymmetric { .. }
@@ -128,9 +129,13 @@ impl Error {
             | Self::NoSwitch { .. }
             | Self::NoDerivative { .. }
             | Self::TooManyMechanisms { .. }
+            | Self::Jammed { .. }
+            | Self::WrongWay { .. }
             | Self::LawNotConstant { .. }
             | Self::NonFiniteForce { .. }
             | Self::NotAnalyticForce { .. }
+            | Self::NonFiniteRate { .. }
+            | Self::NotAnalyticRate { .. }
             | Self::OverLimit { .. }
             | Self::BeltVelocityJumps { .. }
             | Self::Separation { .. }

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::scalar::LONGEST;
 
 /// The static coefficient of the law `of`, if it is finite and ≥ 0.
-pub(super) fn check_static(of: &'static str, static_coefficient: f64) -> Result<f64, Error> {
+pub(crate) fn check_static(of: &'static str, static_coefficient: f64) -> Result<f64, Error> {
     Error::check(
         of,
         "static_coefficient",
@@ -26,7 +26,7 @@ pub(crate) fn static_is_nan() -> Error {
 }
 
 /// The kinetic coefficient of the law `of`, if 0 ≤ μ_k ≤ μ_s.
-pub(super) fn check_kinetic(
+pub(crate) fn check_kinetic(
     of: &'static str,
     static_coefficient: f64,
     kinetic_coefficient: f64,

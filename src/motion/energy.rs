@@ -3,8 +3,8 @@
 ///
 /// ```text
 /// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n) + Σ D U,    K_s = (K + Kᵀ)/2
-/// stored = Σ force_work + Σ drive_work + Σ normal_work + Σ element_work + circulation
-///          − damper_loss − Σ friction_loss
+/// stored = Σ force_work + Σ drive_work + Σ normal_work + Σ element_work + Σ first_order_work
+///          + circulation − damper_loss − Σ friction_loss
 /// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        for each contact
 /// ```
 ///
@@ -79,6 +79,8 @@ pub struct EnergyBudget<C = Vec<f64>> {
     /// Work of each force element beyond its potential, ∫ (D' U − D Σ y_i (F_i − ∂U/∂x_i)) dt: 0
     /// if its force has a potential and its factor is constant; without a potential, all its work.
     pub element_work: C,
+    /// Work of the forces of each [first-order state](crate::FirstOrder), ∫ z Σ b_i v_i dt.
+    pub first_order_work: C,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,
     /// Work of the skew-symmetric part of the stiffness matrix, −∫ vᵀ(K − Kᵀ)q/2 dt; 0 if K is
@@ -88,16 +90,17 @@ pub struct EnergyBudget<C = Vec<f64>> {
 
 impl EnergyBudget {
     /// Residual of the energy balance: `stored` − (Σ `force_work` + Σ `drive_work` + Σ
-    /// `normal_work` + Σ `element_work` + `circulation`) + `damper_loss` + Σ `friction_loss`.
-    /// `belt_work` is no term of its own, because `drive_work` contains it. With the default
-    /// tolerance of the integrator the residual consists of rounding errors. With a larger
-    /// tolerance it estimates the error of the motion.
+    /// `normal_work` + Σ `element_work` + Σ `first_order_work` + `circulation`) + `damper_loss` + Σ
+    /// `friction_loss`. `belt_work` is no term of its own, because `drive_work` contains it. With
+    /// the default tolerance of the integrator the residual consists of rounding errors. With a
+    /// larger tolerance it estimates the error of the motion.
     pub fn defect(&self) -> f64 {
         let work = [
             &self.force_work,
             &self.drive_work,
             &self.normal_work,
             &self.element_work,
+            &self.first_order_work,
         ];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
         let losses = self.friction_loss.iter().sum::<f64>() + self.damper_loss;

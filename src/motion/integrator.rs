@@ -156,7 +156,7 @@ impl Integrator {
     ///   the size of the structure, and [`Error::InvalidParameter`] if a memory variable of `start`
     ///   is not finite or makes a static coefficient negative;
     /// * for contacts of a `Structure` also [`Error::OverLimit`], [`Error::Separation`] and
-    ///   [`Error::TooManyMechanisms`].
+    ///   [`Error::TooManyMechanisms`], [`Error::Jammed`], [`Error::WrongWay`].
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate<S: System>(

@@ -13,7 +13,7 @@ use super::periodic_orbit::Orbit;
 use super::shoot;
 use super::translation::Turning;
 use super::trial::TrialMotion;
-use crate::error::{Error, Reached};
+use crate::error::{Element, Error, Reached};
 use crate::motion::sealed::State as _;
 use crate::motion::{AttractorKind, EventKind, Integrator, Mode, Segment, SystemState};
 use crate::search::Search;
@@ -223,7 +223,7 @@ pub(super) fn settled<S: Oscillator>(
             None => AT_REST * fastest,
             Some(period) => still(form, seen.displacement(), period),
         };
-        let rests = seen.velocities().all(|range| speed(form, range) <= slow);
+        let rests = seen.velocities().all(|range| speed(form, range) <= slow) && seen.states_rest();
         let is_long_enough = period.is_none() || fastest == 0.0 || seen.strobes.len() > 1;
         if rests && seen.events.is_empty() && is_long_enough {
             return Ok((at_rest(&seen.modes), last));
@@ -415,9 +415,11 @@ fn keep(returns: &mut Returns, time: f64, state: State) {
 struct Recurrence {
     /// Least and largest of each displacement, put back, then of each velocity.
     ranges: Vec<(f64, f64)>,
+    /// The same of each first-order state on which anything depends, by its memory variable.
+    states: Vec<(usize, (f64, f64))>,
     modes: Vec<Mode>,
-    /// States at events, by contact and kind, and how many there were.
-    events: BTreeMap<(usize, u8), (usize, Returns)>,
+    /// States at events, by element and kind, and how many there were.
+    events: BTreeMap<(Element, u8), (usize, Returns)>,
     /// States at the largest displacements of one coordinate.
     turning: Turning,
     turns: (usize, Returns),
@@ -428,8 +430,13 @@ struct Recurrence {
 
 impl Recurrence {
     fn new(form: &GeneralForm<'_>, turning: usize) -> Self {
+        const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+        let states = form.model.first_order.iter().enumerate();
+        let acting = states.filter(|(_, state)| state.acts);
+        let acting = acting.map(|(number, _)| form.model.state_place(number));
         Self {
-            ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); 2 * form.len()],
+            ranges: vec![NONE; 2 * form.len()],
+            states: acting.map(|place| (place, NONE)).collect(),
             modes: Vec::new(),
             events: BTreeMap::new(),
             turning: form.turning(turning),
@@ -452,6 +459,10 @@ impl Recurrence {
             let numbers = state.displacements.iter().chain(&state.velocities);
             for ((least, largest), x) in std::iter::zip(&mut self.ranges, numbers) {
                 (*least, *largest) = (least.min(*x), largest.max(*x));
+            }
+            for (place, (least, largest)) in &mut self.states {
+                let x = state.memory.get(*place).copied().unwrap_or(0.0);
+                (*least, *largest) = (least.min(x), largest.max(x));
             }
         }
         self.modes = step.modes().to_vec();
@@ -480,7 +491,7 @@ impl Recurrence {
             });
         }
         for event in step.events() {
-            let key = (event.contact, rank(event.kind));
+            let key = (event.element, rank(event.kind));
             let (count, returns) = self.events.entry(key).or_default();
             *count += 1;
             keep(returns, event.time, back(&event.state));
@@ -492,6 +503,13 @@ impl Recurrence {
     fn displacement(&self) -> f64 {
         let displacements = self.ranges[..self.ranges.len() / 2].iter();
         displacements.copied().map(size).fold(0.0, f64::max)
+    }
+
+    /// Returns true if first-order states are constant: masses stick for as long as the integral of
+    /// a controller grows.
+    fn states_rest(&self) -> bool {
+        let mut ranges = self.states.iter().map(|(_, range)| *range);
+        ranges.all(|range| range.1 - range.0 <= AT_REST * size(range))
     }
 
     /// Least and largest of each velocity.

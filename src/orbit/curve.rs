@@ -124,7 +124,9 @@ impl Curve<'_> {
             let stiffness = contact.tangential_stiffness.unwrap_or(0.0);
             std::iter::repeat_n(stiffness, contact.memory.len())
         });
-        self.mobilities = masses.chain(springs).map(f64::sqrt).collect();
+        let states = std::iter::repeat_n(0.0, form.model.first_order.len());
+        let others = springs.chain(states);
+        self.mobilities = masses.chain(others).map(f64::sqrt).collect();
     }
 
     /// Number of periods of the drives in one of the motion.

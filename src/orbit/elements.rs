@@ -13,6 +13,7 @@ use crate::motion::Segment;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::structure::Step;
 use crate::structure::engine::element::ElementData;
+use crate::structure::engine::model::Model;
 
 /// The derivatives of one element along a step: D ∂F_i/∂x_j, then D ∂F_i/∂y_j, a list over i for
 /// each j.
@@ -20,8 +21,8 @@ use crate::structure::engine::element::ElementData;
 pub(super) struct ElementDerivatives(pub(super) Vec<Vec<Coefficient>>);
 
 impl ElementDerivatives {
-    pub(super) fn of(element: &ElementData<'_>, step: &Step) -> Self {
-        let along = Along::of(element, step);
+    pub(super) fn of(model: &Model<'_>, element: &ElementData<'_>, step: &Step) -> Self {
+        let along = Along::of(model, element, step);
         let factor = element.factor.series(step.clock());
         let by = |by: usize| {
             let slopes = element.law.derivative(along.place(), by);
@@ -32,9 +33,9 @@ impl ElementDerivatives {
     }
 
     /// The rate of each D F_i at the end of a step.
-    pub(super) fn rates(element: &ElementData<'_>, step: &Step) -> Vec<f64> {
+    pub(super) fn rates(model: &Model<'_>, element: &ElementData<'_>, step: &Step) -> Vec<f64> {
         let factor = element.factor.series(step.clock());
-        let forces = element.law.series(Along::of(element, step).place());
+        let forces = element.law.series(Along::of(model, element, step).place());
         let rates = forces.iter();
         rates
             .map(|force| product(&factor, force).slope_at(step.duration()))
@@ -59,7 +60,16 @@ struct Along {
 }
 
 impl Along {
-    fn of(element: &ElementData<'_>, step: &Step) -> Self {
+    fn of(model: &Model<'_>, element: &ElementData<'_>, step: &Step) -> Self {
+        // The law of a first-order state, by its value.
+        if let [(j, 1.0)] = element.directions[0][..]
+            && j >= model.len()
+        {
+            let value = step.series().get(model.position_row(j) - model.len());
+            let positions = vec![value.copied().unwrap_or(PowerSeries::ZERO)];
+            let velocities = vec![PowerSeries::ZERO];
+            return Self::on_piece(element, positions, velocities, step);
+        }
         let start = element.along(|j| step.state().displacements[j]);
         let series = |k: usize| element.along(|j| step.series().get(j).map_or(0.0, |v| v[k]));
         let mut velocities = vec![PowerSeries::ZERO; start.len()];
@@ -75,6 +85,16 @@ impl Along {
             })
         });
         let positions: Vec<PowerSeries> = positions.collect();
+        Self::on_piece(element, positions, velocities, step)
+    }
+
+    /// With the piece of the law that holds in the step.
+    fn on_piece(
+        element: &ElementData<'_>,
+        positions: Vec<PowerSeries>,
+        velocities: Vec<PowerSeries>,
+        step: &Step,
+    ) -> Self {
         let piece = element.piece_above(positions[0].at(0.5 * step.duration()));
         Self {
             positions,

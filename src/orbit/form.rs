@@ -157,7 +157,7 @@ impl<'s> GeneralForm<'s> {
     }
 
     /// The unit of each memory variable: the change that changes a coefficient of friction by 1;
-    /// infinite if none does, and for the force of an elastic contact.
+    /// infinite if none does, for the force of an elastic contact, and for first-order states.
     pub(super) fn memory_units(&self) -> Vec<f64> {
         let units = self.model.contacts.iter().flat_map(|contact| {
             (0..contact.memory.len()).map(|j| match contact.is_elastic() {
@@ -165,7 +165,12 @@ impl<'s> GeneralForm<'s> {
                 false => contact.law.memory_unit(j),
             })
         });
-        units.collect()
+        units.chain(self.of_states(f64::INFINITY)).collect()
+    }
+
+    /// A value for each first-order state.
+    fn of_states<T: Clone>(&self, value: T) -> impl Iterator<Item = T> {
+        std::iter::repeat_n(value, self.model.first_order.len())
     }
 
     /// Number of contacts.

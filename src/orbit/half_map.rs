@@ -20,7 +20,8 @@ pub(super) struct HalfMap {
 }
 
 /// The forces that determine the centre c/2 of a symmetric motion, K c = f(t) + f(t + T/2),
-/// including the springs and the given loads of normal springs; divided by the mass matrix.
+/// including the springs and the given loads of normal springs; divided by the mass matrix. The
+/// equations of first-order states follow.
 #[derive(Debug, Clone)]
 pub(super) struct Balance {
     stiffness: DMatrix<f64>,
@@ -28,6 +29,8 @@ pub(super) struct Balance {
     /// The directions of force elements, along which the centre may not move: their laws are odd
     /// about it.
     directions: Vec<Vec<(usize, f64)>>,
+    /// The numbers of a state that the centre has: displacements and first-order states.
+    places: Vec<usize>,
 }
 
 /// Places in half a period at which a symmetry is checked.
@@ -48,8 +51,12 @@ impl HalfMap {
         }
     }
 
-    /// The map of a symmetric motion, from its map over a period; `None` if it is not symmetric.
+    /// The map of a symmetric motion, from its map over a period; `None` if it is not symmetric, or
+    /// friction depends on the direction.
     pub(super) fn of_symmetric(map: &PeriodMap, period: f64) -> Option<Self> {
+        if !map.is_friction_even {
+            return None;
+        }
         let (n, sizes) = (map.start.displacements.len(), map.sizes());
         let pairs = (0..PLACES).map(|k| {
             let time = map.begins() + 0.5 * period * (k as f64 + 0.37) / PLACES as f64;
@@ -84,8 +91,11 @@ impl HalfMap {
     /// `None` if force elements, which have no other centre, would hold them. A force that the
     /// springs do not balance, such as that of a contact that always sticks, is kept.
     pub(super) fn moved(&self, from: &Balance, to: &Balance) -> Option<Self> {
-        let n = to.forces.len();
-        let held = (&to.stiffness - &from.stiffness) * self.shift.rows(0, n);
+        let centre = DVector::from_iterator(
+            to.places.len(),
+            to.places.iter().map(|&place| self.shift[place]),
+        );
+        let held = (&to.stiffness - &from.stiffness) * centre;
         let change = &to.forces - &from.forces - held;
         let mut moved = self.clone();
         if change.amax() != 0.0 {
@@ -98,8 +108,9 @@ impl HalfMap {
             if to.directions.iter().any(along) {
                 return None;
             }
-            let mut shift = moved.shift.rows_mut(0, n);
-            shift += by;
+            for (&place, by) in std::iter::zip(&to.places, &by) {
+                moved.shift[place] += by;
+            }
         }
         Some(moved)
     }
@@ -143,8 +154,9 @@ pub(super) fn inverting(image: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64>
 impl Balance {
     pub(super) fn of(form: &GeneralForm<'_>, period: f64) -> Self {
         let (model, n) = (&form.model, form.len());
-        let mut stiffness = DMatrix::zeros(n, n);
-        let mut forces = DVector::zeros(n);
+        let all = n + model.first_order.len();
+        let mut stiffness = DMatrix::zeros(all, all);
+        let mut forces = DVector::zeros(all);
         let twice = |drive: &Drive| drive.value(0.0) + drive.value(0.5 * period);
         let rows = std::iter::zip(model.stiffness.rows(), model.inverse_mass.rows());
         for (i, ((own, beside), (mobility, mobilities))) in rows.enumerate() {
@@ -163,8 +175,21 @@ impl Balance {
                 }
             }
         }
+        for (state, row) in std::iter::zip(&model.first_order, n..) {
+            forces[row] = state.scale * twice(&state.drive);
+            for &(i, x) in &state.responses {
+                stiffness[(i, row)] -= x;
+            }
+            for &(j, a) in &state.displacements {
+                stiffness[(row, j)] -= a;
+            }
+            for &(k, a) in &state.states {
+                stiffness[(row, n + k)] -= a;
+            }
+        }
         let elements = model.elements.iter();
         Self {
+            places: (0..all).map(|j| model.position_row(j)).collect(),
             stiffness,
             forces,
             directions: elements

@@ -89,7 +89,8 @@ pub(super) fn speeds(
     PowerSeries::from_fn(|k| side.sign() * speed(k))
 }
 
-/// The static coefficient of a contact, if it equals the kinetic one at speed 0.
+/// The static coefficient of a contact against slip to a side, if it equals the kinetic one at
+/// speed 0.
 fn common_limit(
     form: &GeneralForm<'_>,
     contact: usize,
@@ -99,7 +100,8 @@ fn common_limit(
     /// They are the same up to this part.
     const SAME: f64 = 1e-9;
     let memory = &state.memory[form.model.memory(contact)];
-    let (kinetic, limit) = form.model.contacts[contact].coefficients_at_rest(side, memory);
+    let (kinetic, limits) = form.model.contacts[contact].coefficients_at_rest(side, memory);
+    let limit = limits.map(|limits| limits[side.place()]);
     limit.filter(|limit| (limit - kinetic).abs() <= SAME * limit.abs())
 }
 
@@ -268,7 +270,8 @@ impl<'s> HeldFlow<'s> {
             }
             let mut events = step.events().iter();
             let ends = |kind| matches!(kind, EventKind::Stick | EventKind::Crossing(_));
-            let arrives = events.any(|event| event.contact == hold.contact && ends(event.kind));
+            let arrives =
+                events.any(|event| event.contact() == Some(hold.contact) && ends(event.kind));
             if arrives
                 && near(step.duration())
                 && let Some(t) = minimum_behind(&speeds, step.duration())
@@ -353,13 +356,17 @@ impl<'s> HeldFlow<'s> {
             let own = contact.reaction.iter().filter(|(j, _)| *j == i);
             terms.extend(own.map(|(_, y)| -y * load(contact)));
         }
-        for element in &model.elements {
+        for (number, data) in model.first_order.iter().enumerate() {
+            let value = model.position(state, model.len() + number);
+            terms.push(entry(&data.responses, i) * value);
+        }
+        for element in model.force_elements() {
             let factor = element.factor.value(time);
             let tangent = element.tangent(&state.displacements, &state.velocities);
             for (k, response) in element.responses.iter().enumerate() {
                 let push = factor * entry(response, i);
                 terms.push(-push * tangent.forces[k]);
-                let slopes = std::iter::zip(element.directions, &tangent.slopes);
+                let slopes = std::iter::zip(&*element.directions, &tangent.slopes);
                 let slopes = slopes.map(|(direction, slopes)| entry(direction, i) * slopes[k]);
                 stiffness += push * slopes.sum::<f64>();
             }

@@ -362,7 +362,9 @@ impl Born {
             let velocity = contact.belt_velocity.value(0.0).abs();
             velocity / (2.0 * varies.sum::<Complex<f64>>().norm())
         });
-        let remembered = steady.memory.iter().enumerate();
+        // First-order states may have either sign.
+        let of_contacts = model.state_place(0);
+        let remembered = steady.memory.iter().take(of_contacts).enumerate();
         let remembered = remembered.filter(|(_, z)| **z != 0.0);
         let remembered = remembered.map(|(j, z)| z.abs() / (2.0 * q[2 * n + j].norm()));
         let reach = slides.chain(remembered).fold(f64::INFINITY, f64::min);

@@ -6,6 +6,7 @@ use super::changes::JUMP;
 use super::local_curve::LocalCurve;
 use super::map::PeriodMap;
 use super::unslipped::slips_one_way;
+use crate::error::Element;
 use crate::motion::{EventKind, Segment};
 use crate::numerics::sort::sort_by;
 
@@ -47,7 +48,7 @@ struct Side {
     parameter: f64,
     period: f64,
     map: PeriodMap,
-    events: Vec<(f64, usize, EventKind)>,
+    events: Vec<(f64, Element, EventKind)>,
 }
 
 impl LocalCurve<'_, '_> {
@@ -107,7 +108,7 @@ impl LocalCurve<'_, '_> {
         let inside = map.begins()..map.begins() + periods * period;
         let events = map.events().map(|(event, _)| event);
         let events = events.filter(|event| inside.contains(&event.time));
-        let events = events.map(|event| (event.time, event.contact, event.kind));
+        let events = events.map(|event| (event.time, event.element, event.kind));
         Some(Side {
             parameter: self.curve.parameter(&y),
             period,
@@ -161,7 +162,7 @@ impl Side {
     }
 
     /// The events of the period in which a time lies, from time 0 of the drives on.
-    fn kinds_around(&self, time: f64) -> Vec<(usize, EventKind)> {
+    fn kinds_around(&self, time: f64) -> Vec<(Element, EventKind)> {
         let begins = self.map.begins();
         let begin = begins + ((time - begins) / self.period).floor() * self.period;
         let inside = begin..begin + self.period;
@@ -169,7 +170,7 @@ impl Side {
         let mut events: Vec<_> = events.filter(|event| inside.contains(&event.0)).collect();
         sort_by(&mut events, |event| self.since_zero(event.0));
         let events = events.into_iter();
-        events.map(|&(_, contact, kind)| (contact, kind)).collect()
+        events.map(|&(_, element, kind)| (element, kind)).collect()
     }
 
     /// The distance of another motion at a time, in units of the sizes.
@@ -184,9 +185,12 @@ impl Side {
     /// The end of a branch between two sides, if the motion jumps there.
     fn jump_to(&self, beyond: &Self) -> Option<(f64, BranchEnd)> {
         let same = self.alike(beyond, SAME);
-        let first = [self, beyond].map(|side| side.events.get(same));
+        let first = [self, beyond].map(|side| {
+            let mut others = side.events.iter().skip(same);
+            others.find_map(|&(time, element, _)| Some((time, element.contact()?)))
+        });
         let first = first.into_iter().flatten();
-        let &(time, contact, _) = first.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (time, contact) = first.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let later = self.map.steps.iter().map(Segment::end_time);
         let later = later.filter(|end| (time..time + self.period).contains(end));
         let jumps = later.filter_map(|end| self.apart(beyond, end));

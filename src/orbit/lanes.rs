@@ -18,8 +18,9 @@ pub(super) type Lanes<const W: usize> = [f64; W];
 /// The series of one number of W perturbations.
 pub(super) type Row<const W: usize> = [Lanes<W>; LONG];
 
-/// The series of W perturbations: displacements, velocities and memory variables, then the sliding
-/// velocities of all contacts and their loads, and the positions and velocities of force elements.
+/// The series of W perturbations: displacements, velocities, memory variables and first-order
+/// states, then the sliding velocities of all contacts and their loads, and the positions and
+/// velocities of force elements.
 pub(super) type Rows<const W: usize> = [Row<W>];
 
 /// Most coefficients: one more than the series of the motion have, which give it.
@@ -108,12 +109,17 @@ impl<'e> Equations<'e> {
                 }
                 v[i][k + 1] = sum;
             }
+            let (contacts, states) = memories.split_at_mut(model.state_place(0));
+            if !states.is_empty() {
+                self.add_states::<W, FUSED>((q, v), states, k);
+            }
             let mut inputs = &mut *inputs;
             for (element, derivatives) in std::iter::zip(&model.elements, &linear.elements) {
                 let own;
                 (own, inputs) = inputs.split_at_mut(derivatives.0.len());
-                self.add_element::<W, FUSED>((q, v), own, element, derivatives, k);
+                self.add_element::<W, FUSED>((q, v), (states, own), element, derivatives, k);
             }
+            let memories = contacts;
             let derived = std::iter::zip(&mut *slips, &mut *loads);
             let contacts = std::iter::zip(&linear.contacts, &model.contacts);
             for ((joint, contact), (slip, load)) in std::iter::zip(contacts, derived) {
@@ -161,18 +167,44 @@ impl<'e> Equations<'e> {
         }
     }
 
-    /// Order k of the force of an element.
+    /// Order k + 1 of first-order states, and order k of their forces.
+    #[inline(always)]
+    fn add_states<const W: usize, const FUSED: bool>(
+        &self,
+        (q, v): (&Rows<W>, &mut Rows<W>),
+        states: &mut Rows<W>,
+        k: usize,
+    ) {
+        for (number, data) in self.model.first_order.iter().enumerate() {
+            for &(j, x) in &data.responses {
+                add::<W, FUSED>(&mut v[j][k + 1], -x, &states[number][k]);
+            }
+            let mut rate = sum_of::<W, FUSED>([0.0; W], &data.displacements, q, k);
+            rate = sum_of::<W, FUSED>(rate, &data.velocities, v, k);
+            rate = sum_of::<W, FUSED>(rate, &data.states, states, k);
+            states[number][k + 1] = times(&rate, INTEGRAL[k]);
+        }
+    }
+
+    /// Order k of the force of an element, or of the law of a first-order state.
     #[inline(always)]
     fn add_element<const W: usize, const FUSED: bool>(
         &self,
         (q, v): (&Rows<W>, &mut Rows<W>),
-        inputs: &mut Rows<W>,
+        (states, inputs): (&mut Rows<W>, &mut Rows<W>),
         element: &ElementData<'_>,
         ElementDerivatives(derivatives): &ElementDerivatives,
         k: usize,
     ) {
         let (positions, velocities) = inputs.split_at_mut(element.directions.len());
         for (i, direction) in element.directions.iter().enumerate() {
+            // A law of a state has this one input.
+            if let [(j, 1.0)] = direction[..]
+                && let Some(state) = j.checked_sub(q.len())
+            {
+                (positions[i][k], velocities[i][k]) = (states[state][k], [0.0; W]);
+                continue;
+            }
             positions[i][k] = sum_of::<W, FUSED>([0.0; W], direction, q, k);
             velocities[i][k] = sum_of::<W, FUSED>([0.0; W], direction, v, k);
         }
@@ -182,7 +214,12 @@ impl<'e> Equations<'e> {
                 convolve::<W, FUSED>(&mut sum, &by[i], input, k);
             }
             for &(j, x) in response {
-                add::<W, FUSED>(&mut v[j][k + 1], x, &sum);
+                match j.checked_sub(v.len()) {
+                    None => add::<W, FUSED>(&mut v[j][k + 1], x, &sum),
+                    Some(state) => {
+                        add::<W, FUSED>(&mut states[state][k + 1], -x * INTEGRAL[k], &sum);
+                    }
+                }
             }
         }
     }

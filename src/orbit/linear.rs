@@ -122,7 +122,7 @@ impl Linear {
         Self {
             contacts: contacts.collect(),
             elements: elements
-                .map(|element| ElementDerivatives::of(element, step))
+                .map(|element| ElementDerivatives::of(model, element, step))
                 .collect(),
             stuck: (0..model.len()).filter(is_held).collect(),
             holding: model.holding(&sticks),

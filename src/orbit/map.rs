@@ -11,7 +11,9 @@ use super::passage::modes_after;
 use super::tangent::{TangentFlow, flow_of};
 use super::translation::{Translation, Turning, translations};
 use super::unslipped::{Unslipped, never_slips, slip_by_rounding, unslipped};
+use crate::clock::Clock;
 use crate::error::Error;
+use crate::friction::memory::Slip;
 use crate::motion::{Event, Integrator, Mode, Segment};
 use crate::numerics::least_norm::directions;
 use crate::state::structure::State;
@@ -58,6 +60,9 @@ pub struct PeriodMap {
     slip_by_rounding: Vec<usize>,
     /// The touches past which contacts are held.
     pub(super) touches: Vec<Touch>,
+    /// True if friction is the same in both directions along the motion, where no contact remembers
+    /// anything.
+    pub(super) is_friction_even: bool,
 }
 
 /// Largest residual of a closed motion, in units of the sizes of its numbers and of the
@@ -270,7 +275,7 @@ impl PeriodMap {
         &self.end_modes
     }
 
-    /// The events, each with the mode of its contact afterwards.
+    /// The events, each with the mode of its element afterwards.
     pub(super) fn events(&self) -> impl Iterator<Item = (&Event<State>, Mode)> {
         let steps = self.steps.iter().enumerate();
         steps.flat_map(|(i, step)| {
@@ -278,7 +283,10 @@ impl PeriodMap {
             let next = later.find(|step| step.duration() > 0.0);
             let after = next.map_or(&self.end_modes[..], |step| step.modes());
             let events = step.events().iter();
-            events.map(|event| (event, after[event.contact]))
+            events.map(|event| {
+                let mode = event.contact().map(|contact| after[contact]);
+                (event, mode.unwrap_or(event.kind.mode()))
+            })
         })
     }
 
@@ -718,6 +726,7 @@ pub(super) fn held_period_map(
         boosts: form.freedom().velocities.clone(),
         unslipped,
         touches: flow.touches().to_vec(),
+        is_friction_even: is_friction_even(form, &steps),
         start: start.clone(),
         end_modes,
         monodromy,
@@ -728,6 +737,38 @@ pub(super) fn held_period_map(
         held,
         end,
         steps,
+    })
+}
+
+/// Returns true if the limits of stick and the friction of slip are the same in both directions, at
+/// the starts of all steps. Laws with memory are not asked: their memory has directions, too.
+fn is_friction_even(form: &GeneralForm<'_>, steps: &[Step]) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    let is_same = |[a, b]: [f64; 2]| (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
+    let mut contacts = form.model.contacts.iter();
+    contacts.all(|contact| {
+        let [backward, forward] = [-1.0, 1.0].map(|direction| contact.law.dry_slip(direction));
+        let is_one_law =
+            matches!((backward, forward), (Some(a), Some(b)) if std::ptr::addr_eq(a, b));
+        if is_one_law || contact.is_elastic() || !contact.memory.is_empty() {
+            return true;
+        }
+        contact.law.limits(&|_| 0.0).is_none_or(is_same)
+            && steps.iter().all(|step| {
+                let (time, velocities) = (step.start_time(), &step.state().velocities);
+                let surface = contact.belt_velocity.at(Clock::at(time));
+                let relative = contact.sliding_velocity(|j| velocities[j], surface, time);
+                let speed = relative.abs();
+                let piece = contact.piece_above(speed);
+                is_same([-1.0, 1.0].map(|direction| {
+                    let slip = Slip {
+                        speed,
+                        direction,
+                        piece,
+                    };
+                    direction * contact.law.coefficient(slip, &|_| 0.0)
+                }))
+            })
     })
 }
 

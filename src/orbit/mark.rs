@@ -21,7 +21,7 @@ impl Mark {
             Some(kind) => event.kind == kind,
             None => matches!(event.kind, EventKind::Stick | EventKind::Crossing(_)),
         };
-        event.contact == self.contact && kind
+        event.contact() == Some(self.contact) && kind
     }
 
     /// Its event among those of a motion, with the step at whose end it is.
@@ -44,6 +44,6 @@ impl Mark {
     pub(super) fn covers(&self, event: &Event<State>, begins: f64, period: f64) -> bool {
         const LASTS: f64 = 1e-6;
         let near = (event.time - begins - self.since).abs() <= LASTS * period;
-        near && event.contact == self.contact && (self.kind.is_none() || self.is(event))
+        near && event.contact() == Some(self.contact) && (self.kind.is_none() || self.is(event))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
-use crate::error::{Error, Reached};
+use crate::error::{Element, Error, Reached};
 use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
@@ -61,15 +61,15 @@ pub(super) fn held_steps(
     Err(Error::InvalidDuration { value: duration })
 }
 
-/// The events of a motion: contact and kind.
-pub(super) type Events = Vec<(usize, EventKind)>;
+/// The events of a motion: element and kind.
+pub(super) type Events = Vec<(Element, EventKind)>;
 
 /// The events of a motion after its start.
 pub(super) fn events_of(steps: &[Step]) -> Events {
     let begins = steps.first().map_or(0.0, Segment::start_time);
     let events = steps.iter().flat_map(Segment::events);
     let events = events.filter(|event| event.time > begins);
-    events.map(|event| (event.contact, event.kind)).collect()
+    events.map(|event| (event.element, event.kind)).collect()
 }
 
 /// The modes of the contacts after a step. A contact that closes sticks or slips, which the next
@@ -80,7 +80,9 @@ pub(super) fn modes_after(
 ) -> Result<Vec<Mode>, Error> {
     let mut modes = step.modes().to_vec();
     for event in step.events() {
-        modes[event.contact] = event.kind.mode();
+        if let Some(contact) = event.contact() {
+            modes[contact] = event.kind.mode();
+        }
     }
     let mut closing = step.events().iter();
     if closing.any(|event| event.kind == EventKind::Close) {

@@ -103,18 +103,18 @@ impl LawAt<'_> {
                 load * (after - before)
             }
             EventKind::Release(to) => {
-                let surplus = self.limit(memory).0 - to.sign() * self.coefficient(to, memory);
+                let surplus = self.limit(to, memory).0 - to.sign() * self.coefficient(to, memory);
                 -to.sign() * (load * surplus).max(0.0)
             }
         }
     }
 
-    /// μ_s and its slopes over the memory.
-    fn limit(self, memory: &[f64]) -> (f64, Vec<f64>) {
-        let value = self.law.limit(&|j| memory[j]);
-        let slope = |j: usize| self.law.limit_slope(memory, j);
+    /// μ_s against slip to a side, and its slopes over the memory.
+    fn limit(self, side: Direction, memory: &[f64]) -> (f64, Vec<f64>) {
+        let values = self.law.limits(&|j| memory[j]);
+        let slope = |j: usize| self.law.limit_slopes(memory, j)[side.place()];
         (
-            value.unwrap_or(f64::NAN),
+            values.map_or(f64::NAN, |values| values[side.place()]),
             (0..memory.len()).map(slope).collect(),
         )
     }
@@ -236,9 +236,11 @@ impl TangentFlow<'_> {
         let mut changes = Vec::new();
         let mut shared = Vec::new();
         for event in step.events() {
-            let contact = event.contact;
+            let Some(contact) = event.contact() else {
+                continue;
+            };
             if model.is_shared(contact) {
-                shared.push(event);
+                shared.push((contact, event));
             } else if let Some(owned) = model.owner_of(contact) {
                 changes.extend(self.changed(step, (contact, owned), event.kind));
             } else if event.kind == EventKind::Close {
@@ -274,7 +276,7 @@ impl TangentFlow<'_> {
             EventKind::Stick | EventKind::Crossing(_) => self.row(velocity) * -at.rate.recip(),
             EventKind::Release(_) if step.is_forced(contact) => never.clone(),
             EventKind::Release(to) => {
-                let (limit, slopes) = law.limit(&at.memory);
+                let (limit, slopes) = law.limit(to, &at.memory);
                 let before = law.rates(Motion::Stick, &at.memory);
                 self.later((step, contact), to.sign(), (limit, &slopes, &before), &at)
             }
@@ -357,7 +359,7 @@ impl TangentFlow<'_> {
         &self,
         step: &Step,
         linear: &Linear,
-        events: &[&Event<State>],
+        events: &[(usize, &Event<State>)],
     ) -> Vec<(usize, RowDVector<f64>)> {
         let (model, n) = (&self.form.model, self.form.len());
         let triggers = step.after().triggers.iter();
@@ -388,8 +390,8 @@ impl TangentFlow<'_> {
                 changes.push((n + i, self.row(n + i) + later * jump));
             }
         }
-        for event in events {
-            let (contact, data) = (event.contact, &model.contacts[event.contact]);
+        for &(contact, event) in events {
+            let data = &model.contacts[contact];
             let memory = &event.state.memory[model.memory(contact)];
             let passage = self.passage(step, contact, event.kind, memory);
             let first = data.direction.first().and_then(|&(i, _)| first_on(i));
@@ -441,7 +443,9 @@ impl TangentFlow<'_> {
                 for &(number, weight) in parts {
                     let contact = &model.contacts[number];
                     let law = self.law(step, number);
-                    let (limit, slopes) = law.limit(&state.memory[model.memory(number)]);
+                    let side = Direction::of(weight).unwrap_or(Direction::Leading);
+                    let memory = &state.memory[model.memory(number)];
+                    let (limit, slopes) = law.limit(side, memory);
                     gradient += self.carried_gradient(step, linear, number) * weight;
                     let scale = weight.abs() * contact.compliance;
                     for &(j, a) in &contact.load_gradient {

@@ -1,5 +1,5 @@
 //! The forces that a state determines, in the variational equations: those of elastic contacts, of
-//! normal springs that open and close, and of force elements.
+//! normal springs that open and close, of force elements and of first-order states.
 //!
 //! Saltation matrices of the events of springs are S = I for displacements and velocities, because
 //! the forces of springs are continuous. If an elastic contact starts to slip or opens, or if its
@@ -67,8 +67,8 @@ impl TangentFlow<'_> {
         gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
     }
 
-    /// The perturbation of the acceleration v' of a coordinate by the springs of contacts and by
-    /// force elements, at the end of a step.
+    /// The perturbation of the acceleration v' of a coordinate by the springs of contacts, by force
+    /// elements and by first-order states, at the end of a step.
     pub(super) fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
         let model = &self.form.model;
         let mut rate = self.row(0) * 0.0;
@@ -83,12 +83,15 @@ impl TangentFlow<'_> {
                 }
             }
         }
+        for (data, place) in std::iter::zip(&model.first_order, model.len()..) {
+            rate += self.row(model.position_row(place)) * entry(&data.responses, i);
+        }
         for element in &model.elements {
             let response: Vec<f64> = responses_at(element, i).collect();
             if response.iter().all(|x| *x == 0.0) {
                 continue;
             }
-            let derivatives = ElementDerivatives::of(element, step);
+            let derivatives = ElementDerivatives::of(model, element, step);
             for (by, slopes) in derivatives.0.iter().enumerate() {
                 let forces = std::iter::zip(&response, slopes);
                 let forces = forces.map(|(x, slope)| x * slope.series.at(step.duration()));
@@ -105,8 +108,8 @@ impl TangentFlow<'_> {
         rate
     }
 
-    /// The rate of the acceleration v' of a coordinate by the springs of contacts and by force
-    /// elements, at the end of a step.
+    /// The rate of the acceleration v' of a coordinate by the springs of contacts, by force
+    /// elements and by first-order states, at the end of a step.
     pub(super) fn spring_rate(&self, step: &Step, i: usize) -> f64 {
         let (model, h) = (&self.form.model, step.duration());
         let rates = model.contacts.iter().enumerate().map(|(c, contact)| {
@@ -121,17 +124,22 @@ impl TangentFlow<'_> {
             }
             rate
         });
+        let states = std::iter::zip(&model.first_order, model.len()..);
+        let states = states.map(|(data, place)| {
+            let series = &step.series()[model.position_row(place) - model.len()];
+            series.slope_at(h) * entry(&data.responses, i)
+        });
         let elements = model.elements.iter().map(|element| {
             let response: Vec<f64> = responses_at(element, i).collect();
             if response.iter().all(|x| *x == 0.0) {
                 return 0.0;
             }
-            let rates = ElementDerivatives::rates(element, step);
+            let rates = ElementDerivatives::rates(model, element, step);
             -std::iter::zip(response, rates)
                 .map(|(x, rate)| x * rate)
                 .sum::<f64>()
         });
-        rates.sum::<f64>() + elements.sum::<f64>()
+        rates.sum::<f64>() + elements.sum::<f64>() + states.sum::<f64>()
     }
 }
 

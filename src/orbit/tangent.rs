@@ -6,11 +6,12 @@
 //! ```
 //!
 //! The force T of an elastic contact obeys δT' = k_t b·δv in stick and δT = σμ n·δq in slip; a
-//! closed normal spring adds −d n·δq to the forces.
+//! closed normal spring adds −d n·δq to the forces. The perturbation of a first-order state
+//! obeys δz' = A_q δq + A_v δv + A_z δz.
 //!
 //! The equations are solved by power series on the steps of the trajectory. A contact that sticks
 //! has δv = 0; events are treated in `saltation.rs`. Each column of a matrix is one perturbation: n
-//! displacements, n velocities and the memory variables of the contacts.
+//! displacements, n velocities, the memory variables of the contacts, and first-order states.
 
 use std::borrow::Cow;
 
@@ -115,6 +116,8 @@ impl<'s> TangentFlow<'s> {
             }
             let linear = &*linear.insert(Linear::of(&self.form.model, step));
             let of_memory = linear.contacts.iter().flat_map(|joint| &joint.depends);
+            let states = self.form.model.first_order.iter();
+            let of_memory = of_memory.chain(states.map(|state| &state.acts));
             for (ever, now) in self.depends.iter_mut().zip(of_memory) {
                 *ever |= now;
             }

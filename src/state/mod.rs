@@ -130,6 +130,15 @@ impl Direction {
         }
     }
 
+    /// Its place in a pair of values backward and forward.
+    #[cfg(feature = "structures")]
+    pub(crate) const fn place(self) -> usize {
+        match self {
+            Self::Lagging => 0,
+            Self::Leading => 1,
+        }
+    }
+
     /// The sign σ of v_r: −1 for lagging, +1 for leading.
     ///
     /// ```

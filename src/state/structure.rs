@@ -1,7 +1,7 @@
 use super::State as OneMass;
 
-/// The state of several masses: displacements, velocities, and the memory variables of their
-/// contacts.
+/// The state of several masses: displacements, velocities, the memory variables of their contacts,
+/// and [first-order states](crate::FirstOrder).
 ///
 /// All numbers are in the units of the system: the structure's own, or dimensionless for a
 /// [`MassOnBelt`](crate::MassOnBelt). For both kinds of system, an [`Error`](crate::Error) contains
@@ -26,8 +26,9 @@ pub struct State {
     /// The velocity of each coordinate.
     pub velocities: Vec<f64>,
     /// The memory variables of the contacts, in the order of the contacts. A contact without memory
-    /// has no variable, and an elastic contact has one, its force T. If the list is empty in a
-    /// start state, all memory variables start at 0.
+    /// has no variable, and an elastic contact has one, its force T. The [first-order
+    /// states](crate::FirstOrder) follow, by their numbers. If the list is empty in a start state,
+    /// all start at 0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Vec<f64>,
 }
@@ -64,7 +65,7 @@ impl State {
         Self::new(displacements, velocities).with_memory(memory)
     }
 
-    /// Sets the memory variables, in the order of the contacts.
+    /// Sets the memory variables, in the order of the contacts, and then the first-order states.
     pub fn with_memory(mut self, memory: &[f64]) -> Self {
         self.memory = memory.to_vec();
         self

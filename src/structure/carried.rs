@@ -39,7 +39,7 @@ impl Carried {
         self.least = self.least.max(least);
         self.most = self.most.min(most);
         let size = least.abs().max(most.abs()).max(self.force.abs());
-        if self.most - self.least <= ROUNDING * size {
+        if size.is_finite() && self.most - self.least <= ROUNDING * size {
             let middle = 0.5 * (self.least + self.most);
             *self = Self::of(middle);
         }

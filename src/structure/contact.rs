@@ -6,8 +6,9 @@ use super::engine::contact::ContactData;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
+use crate::friction::FrictionLaw;
 use crate::friction::memory::object::LawObject;
-use crate::friction::memory::{ContactLaw, Slip, validate};
+use crate::friction::memory::{ContactLaw, Freewheel, Slip, validate};
 use crate::numerics::sort::sort_by;
 
 /// A friction contact: its direction, its law, its normal load, and the velocity of the surface on
@@ -30,6 +31,7 @@ use crate::numerics::sort::sort_by;
 /// |---|---|---|
 /// | [`Contact::new(i, ..)`](Self::new) | e_i | v_i − w: mass i on a belt or on the ground |
 /// | [`Contact::between(i, j, ..)`](Self::between) | e_i − e_j | v_i − v_j − w: a clutch, a damper between blades, a pad on a disc |
+/// | [`Contact::freewheel(i, j)`](Self::freewheel) | e_i − e_j | v_i − v_j − w ≤ 0: a one-way clutch |
 /// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | Σ b_i v_i − w: a lever, a gear, a point of a reduced model by its mode shapes |
 ///
 /// A contact is open, and transmits no friction, while N is negative or stays 0. If the load
@@ -122,6 +124,60 @@ impl Contact {
         load: impl Into<Drive>,
     ) -> Result<Self, Error> {
         Self::along(&[(i, 1.0), (j, -1.0)], law, load)
+    }
+
+    /// Creates a freewheel (one-way clutch) between two coordinates, without drag: r = v_i − v_j
+    /// ≤ 0. It drives coordinate j by coordinate i, and lets j run ahead.
+    ///
+    /// Its force λ ≥ 0 is what keeps r at 0. It takes part in the decisions of other contacts as
+    /// one whose limit forward is infinite; see [`Freewheel`], also for freewheels along any
+    /// direction. A motion that starts with r > 0 ends with [`Error::WrongWay`]. If several
+    /// freewheels would need an infinite force, the motion ends with [`Error::Jammed`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadDirection`] if i = j.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Drive, Structure, structure::State};
+    ///
+    /// // A torque of sin t drives two shafts while it is positive; then shaft 1 runs ahead.
+    /// let shafts = Structure::new(&[1.0, 3.0])?
+    ///     .with_force(0, Drive::constant(0.0).with_sine(1.0, 1.0)?)?
+    ///     .with_contact(Contact::freewheel(0, 1)?)?;
+    /// let motion = shafts.simulate(State::at_rest(2), 4.0)?;
+    /// assert!((motion.events()[0].time - std::f64::consts::PI).abs() < 1e-14);
+    /// assert!((motion.last().velocities[1] - 0.5).abs() < 1e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn freewheel(i: usize, j: usize) -> Result<Self, Error> {
+        Self::between(i, j, Freewheel::without_drag()?, 1.0)
+    }
+
+    /// Gives a freewheel the drag of a friction law under a normal load, in place of its law and
+    /// its load. While the load is not positive, the freewheel is open.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] if the contact is no freewheel; the errors of
+    /// [`new`](Self::new).
+    pub fn with_drag<L: FrictionLaw + Send + Sync + 'static>(
+        mut self,
+        law: L,
+        load: impl Into<Drive>,
+    ) -> Result<Self, Error> {
+        let [_, forward] = self.law.limits(&|_| 0.0).unwrap_or([0.0; 2]);
+        if forward != f64::INFINITY {
+            return Err(Error::InvalidParameter {
+                of: "Contact",
+                name: "static_coefficient forward",
+                value: forward,
+                allowed: "an infinite one, that of a `Contact::freewheel`, for `with_drag`",
+            });
+        }
+        self.law = Arc::new(Freewheel::new(law)?);
+        self.load = Arc::new(checked_load(load.into())?);
+        Ok(self)
     }
 
     /// Creates a contact with the relative velocity r = Σ b_i v_i of the given coordinates, with a
@@ -258,15 +314,19 @@ impl Contact {
         self.load_gradient.iter().copied().chain(of_spring)
     }
 
-    /// μ_s and μ̂(0), with a memory of zeros.
-    pub(super) fn coefficients_at_rest(&self) -> (f64, f64) {
-        let slip = Slip {
-            speed: 0.0,
-            direction: 1.0,
-            piece: 0,
-        };
-        let kinetic = self.law.coefficient(slip, &|_| 0.0);
-        (self.law.limit(&|_| 0.0).unwrap_or(kinetic), kinetic)
+    /// The larger μ_s and the smaller μ̂(0) of both directions, with a memory of zeros; `None` if
+    /// it never sticks.
+    pub(super) fn coefficients_at_rest(&self) -> Option<[f64; 2]> {
+        let [backward, forward] = self.law.limits(&|_| 0.0)?;
+        let kinetic = [-1.0, 1.0].map(|direction| {
+            let slip = Slip {
+                speed: 0.0,
+                direction,
+                piece: 0,
+            };
+            direction * self.law.coefficient(slip, &|_| 0.0)
+        });
+        Some([backward.max(forward), kinetic[0].min(kinetic[1])])
     }
 
     /// Its law, without its type.

@@ -41,7 +41,8 @@ impl Contact {
     /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
     /// * [`Error::LawNotConstant`] unless the coefficient is constant, as in `Coulomb::new(μ, μ)`.
     ///   The reason: with static friction above kinetic friction, or with friction that falls with
-    ///   speed, the displacement of the massless slider is not determined.
+    ///   speed, the displacement of the massless slider is not determined. Friction that depends on
+    ///   the direction is refused, too.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
@@ -69,10 +70,8 @@ impl Contact {
             "tangential_stiffness > 0",
         )?;
         if self.law().constant().is_none() {
-            let (limit, kinetic) = self.coefficients_at_rest();
-            let sticks = self.law().limit(&|_| 0.0).is_some();
             return Err(Error::LawNotConstant {
-                coefficients: sticks.then_some([limit, kinetic]),
+                coefficients: self.coefficients_at_rest(),
             });
         }
         self.tangential_stiffness = Some(tangential_stiffness);

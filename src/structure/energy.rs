@@ -60,7 +60,7 @@ impl Structure {
             energies.of_contact(c, carried.copied().unwrap_or(0.0))
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
         });
-        let elements = model.elements.iter().map(|element| {
+        let elements = model.force_elements().iter().map(|element| {
             let energy = element.potential(|j| state.displacements[j]);
             element.factor.value(time) * energy
         });
@@ -181,7 +181,7 @@ impl Energies<'_, '_> {
         let carried = instant.contacts.iter().enumerate();
         let carried = carried.map(|(c, at)| self.of_contact(c, at.carried));
         let springs = carried.chain(self.of_normals(instant)).sum::<f64>();
-        let elements = zip(&self.model.elements, &instant.elements);
+        let elements = zip(self.model.force_elements(), &instant.elements);
         let elements =
             elements.map(|(element, at)| at.factor[0] * element.potential(|j| displacements[j]));
         self.kinetic(velocities) + self.elastic(displacements) + springs + elements.sum::<f64>()
@@ -196,7 +196,8 @@ impl Energies<'_, '_> {
             belt_work: vec![0.0; contacts],
             friction_loss: vec![0.0; contacts],
             normal_work: vec![0.0; contacts],
-            element_work: vec![0.0; model.elements.len()],
+            element_work: vec![0.0; model.force_elements().len()],
+            first_order_work: vec![0.0; model.first_order.len()],
             ..EnergyBudget::default()
         };
         let is_long = |step: &&Step| step.duration() > 0.0 && step.duration().is_finite();
@@ -255,7 +256,16 @@ impl Energies<'_, '_> {
                 budget.normal_work[c] += weight * at.load * rate / stiffness;
             }
         }
-        let elements = zip(&self.model.elements, &instant.elements);
+        for (number, (work, data)) in
+            zip(&mut budget.first_order_work, &self.model.first_order).enumerate()
+        {
+            let value = self
+                .model
+                .position(&instant.state, self.model.len() + number);
+            let velocity = data.forces.iter().map(|&(j, b)| b * v[j]);
+            *work += weight * value * velocity.sum::<f64>();
+        }
+        let elements = zip(self.model.force_elements(), &instant.elements);
         for (work, (element, at)) in zip(&mut budget.element_work, elements) {
             let slopes = element.potential_slopes(|j| q[j]);
             let parts = zip(element.along(|j| v[j]), zip(&at.forces, slopes));
@@ -278,7 +288,7 @@ impl Energies<'_, '_> {
             *work += to - from;
         }
         let factors = zip(&before.elements, &after.elements);
-        let elements = zip(&self.model.elements, factors);
+        let elements = zip(self.model.force_elements(), factors);
         for (work, (element, (from, to))) in zip(&mut budget.element_work, elements) {
             let energy = element.potential(|j| after.state.displacements[j]);
             *work += (to.factor[0] - from.factor[0]) * energy;

@@ -13,7 +13,8 @@ use crate::friction::memory::Slip;
 /// Accelerations, and singular values, below this part of the largest are rounding.
 pub(super) const ROUNDING: f64 = 1e-12;
 
-/// The equations of steady sliding, K q + Σ D M⁻¹a_i F_i(a·q, 0) = f, all divided by M.
+/// The equations of steady sliding, K q + Σ D M⁻¹a_i F_i(a·q, 0) = f, all divided by M, and z' = 0
+/// of first-order states. The positions are the displacements q, then the states z.
 pub(super) struct Equilibrium<'e, 'm, 's> {
     pub(super) model: &'m Model<'s>,
     /// With the loads of friction that follow displacements.
@@ -41,7 +42,7 @@ const LEAST_PART: f64 = 1.0 / 1024.0;
 const LOAD_STEPS: usize = 8;
 
 impl Equilibrium<'_, '_, '_> {
-    /// The equilibrium near these displacements, and the force elements in it.
+    /// The equilibrium near these displacements and states of 0, and the force elements in it.
     pub(super) fn solve(
         &self,
         start: &[f64],
@@ -50,19 +51,20 @@ impl Equilibrium<'_, '_, '_> {
             return Ok((self.linearised(&Tangents::default(), 1.0)?, Vec::new()));
         }
         let start = DVector::from_column_slice(start);
+        let start = start.resize_vertically(self.right.len(), 0.0);
         let mut found = self.newton(start.clone(), 1.0);
         if let Err(NotSliding::NotFound { .. } | NotSliding::Singular) = found {
             found = self.raise_load(start);
         }
         let balance = found?;
-        let Tangents { elements, .. } = self.tangents(&balance.displacements)?;
+        let Tangents { elements, .. } = self.tangents(&balance.positions)?;
         for (number, (element, tangent)) in
             std::iter::zip(&self.model.elements, &elements).enumerate()
         {
             let position = tangent.positions[0];
             let size = element.directions[0].iter();
             let size = size
-                .map(|&(j, a)| (a * balance.displacements[j]).abs())
+                .map(|&(j, a)| (a * balance.positions[j]).abs())
                 .sum::<f64>();
             let is_at = |b: &f64| (position - b).abs() <= 8.0 * f64::EPSILON * size.max(b.abs());
             if element.breakpoints.iter().any(is_at) {
@@ -86,7 +88,7 @@ impl Equilibrium<'_, '_, '_> {
                 (found, _) => found,
             };
             q = match &found {
-                Ok(balance) => balance.displacements.clone(),
+                Ok(balance) => balance.positions.clone(),
                 Err(NotSliding::NotFound { residual, .. }) => {
                     let load = (step - 1) as f64 / LOAD_STEPS as f64;
                     let residual = *residual;
@@ -103,10 +105,11 @@ impl Equilibrium<'_, '_, '_> {
     /// longer.
     fn newton(&self, mut q: DVector<f64>, load: f64) -> Result<Balance, NotSliding> {
         let mut balance = self.linearised(&self.tangents(&q)?, load)?;
-        let mut step = &balance.displacements - &q;
+        let mut step = &balance.positions - &q;
         for _ in 0..MOST_ITERATIONS {
-            let least = 4.0 * f64::EPSILON * q.amax().max(balance.displacements.amax());
-            if step.amax() <= least {
+            let size = self.size_by(&balance.positions);
+            let least = 4.0 * f64::EPSILON * size(&q).max(size(&balance.positions));
+            if size(&step) <= least {
                 return Ok(balance);
             }
             let mut part = 1.0;
@@ -115,14 +118,14 @@ impl Equilibrium<'_, '_, '_> {
                 let then = self.tangents(&next);
                 let then = then.and_then(|tangents| self.linearised(&tangents, load));
                 let shorter = |balance: &Balance| {
-                    let after = (&balance.displacements - &next).amax();
-                    after <= (1.0 - LEAST_GAIN * part) * step.amax() || after <= least
+                    let after = size(&(&balance.positions - &next));
+                    after <= (1.0 - LEAST_GAIN * part) * size(&step) || after <= least
                 };
                 match then {
                     Ok(then) if shorter(&then) => break (next, then),
                     _ if part <= LEAST_PART => {
                         // Rounding errors alone are left.
-                        if step.amax() <= 1e-10 * q.amax() {
+                        if size(&step) <= 1e-10 * size(&q) {
                             return Ok(balance);
                         }
                         return Err(self.not_found(&q, load));
@@ -130,9 +133,21 @@ impl Equilibrium<'_, '_, '_> {
                     _ => part *= 0.5,
                 }
             };
-            (step, q, balance) = (&then.displacements - &next, next, then);
+            (step, q, balance) = (&then.positions - &next, next, then);
         }
         Err(self.not_found(&q, load))
+    }
+
+    /// The size of positions, with states in units that make them as large as displacements.
+    fn size_by(&self, positions: &DVector<f64>) -> impl Fn(&DVector<f64>) -> f64 + use<> {
+        let n = self.model.len();
+        let states = positions.rows(n, positions.len() - n).amax();
+        let unit = positions.rows(0, n).amax() / states;
+        let unit = if unit.is_normal() { unit } else { 1.0 };
+        move |x| {
+            let states = x.rows(n, x.len() - n).amax();
+            x.rows(0, n).amax().max(unit * states)
+        }
     }
 
     fn not_found(&self, q: &DVector<f64>, load: f64) -> NotSliding {
@@ -207,7 +222,7 @@ impl Equilibrium<'_, '_, '_> {
                 let by_positions = std::iter::zip(&tangent.slopes, &tangent.positions);
                 let changes = by_positions.map(|(slopes, x)| slopes[k] * x);
                 let force = factor * (tangent.forces[k] - changes.sum::<f64>());
-                let slopes = std::iter::zip(element.directions, &tangent.slopes);
+                let slopes = std::iter::zip(&*element.directions, &tangent.slopes);
                 for &(i, x) in response {
                     right[i] -= x * force;
                     for (direction, slopes) in slopes.clone() {
@@ -222,8 +237,8 @@ impl Equilibrium<'_, '_, '_> {
             return Balance::of(self.model, (stiffness, right), velocities, self.sticking);
         }
         Ok(Balance {
-            displacements: solve(&stiffness, &right)?,
-            accelerations: DVector::zeros(right.len()),
+            positions: solve_with_states(stiffness, right, self.model.len())?,
+            accelerations: DVector::zeros(self.model.len()),
             forces: Vec::new(),
         })
     }
@@ -246,7 +261,8 @@ struct FrictionTangent<'e> {
 
 /// Steady sliding at given velocities.
 pub(super) struct Balance {
-    pub(super) displacements: DVector<f64>,
+    /// Displacements, then first-order states.
+    pub(super) positions: DVector<f64>,
     /// Those of rigid-body motions.
     pub(super) accelerations: DVector<f64>,
     /// Forces of the contacts that stick.
@@ -287,11 +303,13 @@ impl Balance {
         let motions = null_space(model, &rows);
         if motions.is_empty() {
             return Ok(Self {
-                displacements: solve(&stiffness, &right)?,
+                positions: solve_with_states(stiffness, right, n)?,
                 accelerations: DVector::zeros(n),
                 forces: vec![0.0; sticking.len()],
             });
         }
+        let condensed = Condensed::of(&stiffness, &right, n)?;
+        let (stiffness, right) = (&condensed.stiffness, &condensed.right);
         // In units of one energy, and each unknown in a unit that makes the entries of one size.
         let units = units(model);
         let unit = |x: &DVector<f64>| DVector::from_fn(n, |j, _| x[j] / units[j]).normalize();
@@ -359,7 +377,7 @@ impl Balance {
         });
         let carried = |c: usize| (0..r).map(move |j| (c, j));
         Ok(Self {
-            displacements: DVector::from_fn(n, |j, _| found[j] * units[j]),
+            positions: condensed.positions(&DVector::from_fn(n, |j, _| found[j] * units[j])),
             accelerations,
             forces: (0..along.len())
                 .map(|c| {
@@ -384,6 +402,95 @@ pub(super) fn inverse_mass_times(
         let sum = beside.iter().map(|&(j, a)| a * force[j] / units[j]);
         (own * force[i] / units[i] + sum.sum::<f64>()) / units[i]
     })
+}
+
+/// The solution of A x = b, of which the first n numbers are displacements and the others
+/// first-order states, of any units: rows and columns are brought to one size first.
+fn solve_with_states(
+    mut a: DMatrix<f64>,
+    mut b: DVector<f64>,
+    n: usize,
+) -> Result<DVector<f64>, NotSliding> {
+    /// Sizes converge by square roots; two digits are enough.
+    const ROUNDS: usize = 8;
+    if a.nrows() == n {
+        return solve(&a, &b);
+    }
+    let mut units = DVector::from_element(b.len(), 1.0);
+    // A power of two, so that the scaling is exact.
+    let root = |size: f64| {
+        if size.is_normal() {
+            (-0.5 * size.log2()).round().exp2()
+        } else {
+            1.0
+        }
+    };
+    for _ in 0..ROUNDS {
+        let rows: Vec<f64> = a.row_iter().map(|row| root(row.amax())).collect();
+        let columns: Vec<f64> = a.column_iter().map(|column| root(column.amax())).collect();
+        for (i, factor) in rows.into_iter().enumerate() {
+            a.row_mut(i).scale_mut(factor);
+            b[i] *= factor;
+        }
+        for (j, factor) in columns.into_iter().enumerate() {
+            a.column_mut(j).scale_mut(factor);
+            units[j] *= factor;
+        }
+    }
+    Ok(solve(&a, &b)?.component_mul(&units))
+}
+
+/// The equations of displacements without the first-order states.
+struct Condensed {
+    stiffness: DMatrix<f64>,
+    right: DVector<f64>,
+    /// z = z_0 − Z q.
+    given: DVector<f64>,
+    by_displacements: DMatrix<f64>,
+}
+
+impl Condensed {
+    /// The equations of the first n numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`NotSliding::Singular`] if displacements do not determine the states.
+    fn of(stiffness: &DMatrix<f64>, right: &DVector<f64>, n: usize) -> Result<Self, NotSliding> {
+        let count = right.len() - n;
+        if count == 0 {
+            return Ok(Self {
+                stiffness: stiffness.clone(),
+                right: right.clone(),
+                given: DVector::zeros(0),
+                by_displacements: DMatrix::zeros(0, n),
+            });
+        }
+        let own = stiffness.view((n, n), (count, count));
+        let state = |right: DVector<f64>| solve_with_states(own.into_owned(), right, 0);
+        let given = state(right.rows(n, count).into_owned())?;
+        let mut by_displacements = DMatrix::zeros(count, n);
+        for j in 0..n {
+            let column = stiffness.view((n, j), (count, 1)).column(0).into_owned();
+            by_displacements.set_column(j, &state(column)?);
+        }
+        let acts = stiffness.view((0, n), (n, count));
+        Ok(Self {
+            stiffness: stiffness.view((0, 0), (n, n)) - acts * &by_displacements,
+            right: right.rows(0, n) - acts * &given,
+            given,
+            by_displacements,
+        })
+    }
+
+    /// Displacements and states.
+    fn positions(&self, q: &DVector<f64>) -> DVector<f64> {
+        if self.given.is_empty() {
+            return q.clone();
+        }
+        let states = &self.given - &self.by_displacements * q;
+        let count = q.len() + states.len();
+        DVector::from_iterator(count, q.iter().chain(&states).copied())
+    }
 }
 
 /// The solution of A x = b.

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
@@ -178,7 +179,8 @@ impl ForceElement {
 
     /// The element as the engine needs it.
     pub(super) fn data(&self) -> ElementData<'_> {
-        ElementData::new(&self.directions, &*self.law, Arc::clone(&self.factor))
+        let directions = Cow::Borrowed(&self.directions[..]);
+        ElementData::new(directions, &*self.law, Arc::clone(&self.factor))
     }
 
     /// Checks that this may be element number `number` of a structure with so many coordinates.

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::engine::contact::Entries;
+use super::engine::first_order::FirstOrderData;
 use super::engine::model::Model;
 use super::engine::sparse::Sparse;
 
@@ -18,8 +19,8 @@ pub(crate) struct Freedom {
 }
 
 impl Freedom {
-    /// K e = 0, n_c·e = 0 of each load gradient and a·e = 0 of each force element; for velocities
-    /// C e = 0 and b_c·e = 0 too.
+    /// K e = 0, n_c·e = 0 of each load gradient, a·e = 0 of each force element and A_q e = 0 of
+    /// first-order states; for velocities C e = 0, A_v e = 0 and b_c·e = 0 too.
     pub(crate) fn of(model: &Model<'_>) -> Self {
         let rows = elastic_rows(model);
         let displacements = null_space(model, &rows);
@@ -27,7 +28,7 @@ impl Freedom {
             return Self::default();
         }
         let along = (0..model.contacts.len()).map(|c| direction_row(model, c));
-        let rows = rows.into_iter().chain(rows_of(&model.damping)).chain(along);
+        let rows = rows.into_iter().chain(rate_rows(model)).chain(along);
         let velocities = null_space(model, &rows.collect::<Vec<_>>());
         Self {
             displacements,
@@ -36,17 +37,32 @@ impl Freedom {
     }
 }
 
-/// The rows of K, the load gradients, and the directions of force elements: the forces that
-/// displacements change.
+/// The rows of K, the load gradients, the directions of force elements, and the rows of A_q of
+/// first-order states on which anything depends: the forces that displacements change.
 pub(super) fn elastic_rows(model: &Model<'_>) -> Vec<DVector<f64>> {
     let gradients = model.contacts.iter();
     let gradients = gradients.map(|contact| row(model.len(), &contact.load_gradient));
-    let elements = model.elements.iter().flat_map(|element| element.directions);
+    let elements = model
+        .elements
+        .iter()
+        .flat_map(|element| &*element.directions);
     let elements = elements.map(|direction| row(model.len(), direction));
+    let states = acting(model).map(|state| row(model.len(), &state.displacements));
     rows_of(&model.stiffness)
         .chain(gradients)
         .chain(elements)
+        .chain(states)
         .collect()
+}
+
+/// The rows of C, and of A_v of first-order states on which anything depends.
+pub(super) fn rate_rows(model: &Model<'_>) -> impl Iterator<Item = DVector<f64>> {
+    let states = acting(model).map(|state| row(model.len(), &state.velocities));
+    rows_of(&model.damping).chain(states)
+}
+
+fn acting<'m>(model: &'m Model<'_>) -> impl Iterator<Item = &'m FirstOrderData> {
+    model.first_order.iter().filter(|state| state.acts)
 }
 
 /// The direction of a contact.
@@ -56,11 +72,13 @@ pub(super) fn direction_row(model: &Model<'_>, contact: usize) -> DVector<f64> {
 
 fn row(n: usize, entries: &Entries) -> DVector<f64> {
     let mut row = DVector::zeros(n);
-    entries.iter().for_each(|&(j, x)| row[j] += x);
+    // Numbers beyond those of the coordinates are first-order states.
+    let entries = entries.iter().filter(|&&(j, _)| j < n);
+    entries.for_each(|&(j, x)| row[j] += x);
     row
 }
 
-pub(super) fn rows_of(matrix: &Sparse) -> impl Iterator<Item = DVector<f64>> {
+fn rows_of(matrix: &Sparse) -> impl Iterator<Item = DVector<f64>> {
     matrix.rows().enumerate().map(|(i, (own, beside))| {
         let mut row = DVector::zeros(matrix.rows().count());
         row[i] = own;

@@ -27,6 +27,24 @@ pub(super) fn check_contacts(contacts: usize) -> Result<(), Error> {
     Error::check("Structure", "contacts", contacts as f64, in_range, allowed).map(drop)
 }
 
+/// The largest number of first-order states, as that of coordinates.
+pub(super) const MAX_FIRST_ORDERS: usize = 4096;
+
+/// Checks the number of first-order states.
+pub(super) fn check_first_orders(states: usize) -> Result<(), Error> {
+    const { assert!(MAX_FIRST_ORDERS == 4096) } // the number in the message
+    let allowed = "at most 4096: their number; reduce a larger linear part to its slow states";
+    let in_range = states <= MAX_FIRST_ORDERS;
+    Error::check(
+        "Structure",
+        "first_orders",
+        states as f64,
+        in_range,
+        allowed,
+    )
+    .map(drop)
+}
+
 /// Checks the masses of a structure.
 pub(super) fn check_masses(
     masses: &[f64],

@@ -1,6 +1,7 @@
 // | file | what is in it |
 // |---|---|
 // | `system.rs`, `matrices.rs` | `Structure`, the system for users; checks of its matrices |
+// | `first_order.rs` | `FirstOrder`, a first-order state: an integral, a current, a filter |
 // | `force_element.rs` | `ForceElement`, a nonlinear spring, damper or force of several coordinates |
 // | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
 // | `engine` | one step of a motion |
@@ -19,7 +20,7 @@
 //! ```
 //! use stick_slip::orbit::{self, Period};
 //! use stick_slip::structure::State;
-//! use stick_slip::{Contact, Coulomb, Drive, Exponential, Structure};
+//! use stick_slip::{Contact, Coulomb, Drive, Element, EventKind, Exponential, Structure};
 //!
 //! // Mass 0 rubs on a belt, a force shakes mass 1; a spring and a friction joint couple them.
 //! let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.3)?, 1.0)?.on_belt(0.2);
@@ -35,8 +36,9 @@
 //! // The motion from rest, with every event: the joint slips when mass 0 sticks to the belt.
 //! let motion = blocks.simulate(State::at_rest(2), 50.0)?;
 //! let [stick, release, ..] = motion.events() else { panic!() };
-//! assert_eq!((stick.contact, stick.kind.to_string()), (0, "stick".to_owned()));
-//! assert_eq!((release.contact, release.kind.to_string()), (1, "release (lagging)".to_owned()));
+//! assert_eq!((stick.element, stick.kind), (Element::Contact(0), EventKind::Stick));
+//! assert_eq!(release.element, Element::Contact(1));
+//! assert_eq!(release.kind.to_string(), "release (lagging)");
 //! assert!((stick.time - 0.474696005111476).abs() < 1e-14);
 //! assert_eq!(release.time, stick.time);
 //! assert_eq!(motion.last().velocities[0], 0.2);
@@ -59,11 +61,13 @@
 //! |---|---|
 //! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |
 //! | where friction acts, with which friction law and normal load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
+//! | friction by direction, freewheels, ropes around a drum | [`Directional`](crate::Directional), [`Contact::freewheel`] |
 //! | elastic joints, normal springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
 //! | a hard spring, pendulum, gear play, snap-through, nonlinear damper | [`ForceElement`], with a law of the crate ([`PolynomialSpring`](crate::PolynomialSpring), [`Pendulum`](crate::Pendulum), [`Backlash`](crate::Backlash), [`SnapThrough`](crate::SnapThrough), [`VanDerPol`](crate::VanDerPol), [`TabulatedForce`](crate::TabulatedForce)) or your own [`ForceLaw`](crate::ForceLaw) |
 //! | an elastic stop | a [`Backlash`](crate::Backlash) with its stiffness, on one side or both; rigid impacts are not available |
 //! | a stiffness that varies in time: gear mesh, Mathieu's equation | [`ForceElement::with_factor`] |
-//! | a controller | linear: [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping), with unsymmetric matrices; other: a [`ForceField`](crate::ForceField) of what it measures |
+//! | a controller | proportional: [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping), with unsymmetric matrices; with an integral or a filter: [`FirstOrder`]; nonlinear: a [`ForceField`](crate::ForceField) of what it measures |
+//! | a motor's current, an actuator, a Maxwell damper | [`FirstOrder`] |
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive); a chirp, a shock or a window: [`Drive::function`](crate::Drive::function) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
@@ -136,6 +140,7 @@ mod elastic;
 mod energy;
 pub(crate) mod engine;
 mod equilibrium;
+mod first_order;
 mod flow;
 mod force_element;
 pub(crate) mod freedom;
@@ -153,6 +158,7 @@ mod system;
 pub use carried::Carried;
 pub use contact::Contact;
 pub(crate) use energy::Energies;
+pub use first_order::FirstOrder;
 pub use flow::Flow;
 pub use force_element::ForceElement;
 pub use sample::Sample;

@@ -4,11 +4,15 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::contact::checked_direction;
+use super::first_order::Input;
 use super::matrices::check_count;
 use crate::drive::Drive;
 use crate::error::Error;
 use crate::force::NamedForce;
-use crate::friction::memory::{AnyContactLaw, Dahl, Dwell, LuGre, NamedLaw};
+use crate::friction::memory::{
+    AnyContactLaw, Dahl, Directional, Dwell, Freewheel, LuGre, NamedLaw,
+};
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
 use crate::numerics::sort::sort_by;
 
@@ -44,9 +48,9 @@ impl<L: Serialize> Serialize for Written<L> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let law = self.0.as_ref().ok_or_else(|| {
             serde::ser::Error::custom(
-                "a contact or a force element has a user's own law, which has no name to be \
-                 written by; write the law's parameters beside the structure, and add the contact \
-                 or the element after reading",
+                "a contact, a force element or a first-order state has a user's own law, which has \
+                 no name to be written by; write the law's parameters beside the structure, and \
+                 add the contact, the element or the state after reading",
             )
         })?;
         law.serialize(serializer)
@@ -64,6 +68,8 @@ pub(super) enum LawText {
     Stribeck(Stribeck),
     Tabulated(Tabulated),
     Dry(AnyLaw),
+    Directional(Directional<AnyLaw, AnyLaw>),
+    Freewheel(Freewheel<AnyLaw>),
     Dwell(Dwell<AnyLaw>),
     Dahl(Dahl),
     LuGre(LuGre<AnyLaw>),
@@ -81,6 +87,8 @@ impl LawText {
             Self::Stribeck(law) => Contact::along(direction, law, load),
             Self::Tabulated(law) => Contact::along(direction, law, load),
             Self::Dry(law) => Contact::along(direction, AnyContactLaw::Dry(law), load),
+            Self::Directional(law) => Contact::along(direction, law, load),
+            Self::Freewheel(law) => Contact::along(direction, law, load),
             Self::Dwell(law) => Contact::along(direction, law, load),
             Self::Dahl(law) => Contact::along(direction, law, load),
             Self::LuGre(law) => Contact::along(direction, law, load),
@@ -164,6 +172,84 @@ impl TryFrom<ElementText<NamedForce>> for super::ForceElement {
     }
 }
 
+/// A first-order state as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FirstOrderText<L> {
+    /// Left out for an integrator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time_constant: Option<f64>,
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    displacements: Vec<(usize, f64)>,
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    velocities: Vec<(usize, f64)>,
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    states: Vec<(usize, f64)>,
+    #[serde(default = "at_rest")]
+    drive: Drive,
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    laws: Vec<RateLawText<L>>,
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    forces: Vec<(usize, f64)>,
+}
+
+/// A law in the rate of a first-order state as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RateLawText<L> {
+    of: Input,
+    law: L,
+}
+
+impl From<super::FirstOrder> for FirstOrderText<Written<NamedForce>> {
+    fn from(state: super::FirstOrder) -> Self {
+        let laws = state.laws().iter().map(|law| RateLawText {
+            of: law.input.clone(),
+            law: Written(law.named()),
+        });
+        Self {
+            time_constant: state.time_constant(),
+            displacements: state.displacements().to_vec(),
+            velocities: state.velocities().to_vec(),
+            states: state.states().to_vec(),
+            drive: state.drive().clone(),
+            laws: laws.collect(),
+            forces: state.forces().to_vec(),
+        }
+    }
+}
+
+impl TryFrom<FirstOrderText<NamedForce>> for super::FirstOrder {
+    type Error = Error;
+    fn try_from(read: FirstOrderText<NamedForce>) -> Result<Self, Error> {
+        let mut state = match read.time_constant {
+            Some(time_constant) => Self::lag(time_constant)?,
+            None => Self::integrator(),
+        };
+        state = state.with_drive(read.drive)?;
+        for (coordinate, gain) in read.displacements {
+            state = state.with_displacement(coordinate, gain)?;
+        }
+        for (coordinate, gain) in read.velocities {
+            state = state.with_velocity(coordinate, gain)?;
+        }
+        for (number, gain) in read.states {
+            state = state.with_state(number, gain)?;
+        }
+        for (coordinate, gain) in read.forces {
+            state = state.with_force(coordinate, gain)?;
+        }
+        for RateLawText { of, law } in read.laws {
+            let input = match of {
+                Input::Direction(given) => Input::Direction(checked_direction(&given)?.1),
+                Input::State(number) => Input::State(number),
+            };
+            state = state.and_law(input, law.object())?;
+        }
+        Ok(state)
+    }
+}
+
 /// A structure as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -183,6 +269,8 @@ pub(super) struct StructureText {
     contacts: Vec<super::Contact>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     elements: Vec<super::ForceElement>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    first_orders: Vec<super::FirstOrder>,
 }
 
 impl From<super::Structure> for StructureText {
@@ -202,6 +290,7 @@ impl From<super::Structure> for StructureText {
             forces: structure.forces().to_vec(),
             contacts: structure.contacts().to_vec(),
             elements: structure.elements().to_vec(),
+            first_orders: structure.first_orders().to_vec(),
         }
     }
 }
@@ -249,7 +338,7 @@ impl TryFrom<StructureText> for super::Structure {
         for element in read.elements {
             structure = structure.with_element(element)?;
         }
-        Ok(structure)
+        structure.with_first_orders(read.first_orders)
     }
 }
 

@@ -6,9 +6,10 @@ use num_complex::Complex;
 
 use super::engine::contact::ContactData;
 use super::engine::element::ElementTangent;
+use super::engine::limits::limit_force;
 use super::engine::model::Model;
 use super::equilibrium::{Equilibrium, ROUNDING, inverse_mass_times};
-use super::freedom::{direction_row, elastic_rows, null_space, rows_of, units};
+use super::freedom::{direction_row, elastic_rows, null_space, rate_rows, units};
 use crate::error::{Error, NotSliding};
 use crate::force::object::Place;
 use crate::friction::memory::{Input, Motion, Sliding, Slip};
@@ -26,6 +27,8 @@ pub(crate) struct SlidingField<'m, 's> {
     pub(crate) displacements: Vec<f64>,
     /// Those of rigid-body motions that are not steady.
     pub(super) accelerations: Vec<f64>,
+    /// The first-order states.
+    pub(super) first_order: Vec<f64>,
     /// `None` for a contact that sticks.
     contacts: Vec<Option<Slides>>,
     /// The force elements at rest.
@@ -80,7 +83,16 @@ impl<'m, 's> SlidingField<'m, 's> {
             if !relative.is_finite() {
                 return Err(NotSliding::Overflow);
             }
-            let may_stick = contact.is_elastic() || contact.law.limit(&|_| 0.0).is_some();
+            let limits = contact.law.limits(&|_| 0.0);
+            if let (Some(side), Some(limits)) = (Direction::of(relative), limits)
+                && limits[side.place()] == f64::INFINITY
+            {
+                return Err(NotSliding::WrongWay {
+                    contact: number,
+                    velocity: relative,
+                });
+            }
+            let may_stick = contact.is_elastic() || limits.is_some();
             if relative == 0.0 && velocities.is_some() && may_stick {
                 return Ok(None);
             }
@@ -96,10 +108,19 @@ impl<'m, 's> SlidingField<'m, 's> {
             Ok(Some((sliding, slip)))
         });
         let contacts: Vec<Option<(Sliding, Slip<f64>)>> = contacts.collect::<Result<_, _>>()?;
-        let mut stiffness = DMatrix::zeros(n, n);
-        add_rows(&mut stiffness, 1.0, |i| model.stiffness.row(i));
+        // With the rates of first-order states, −z' = 0, as further rows.
+        let all = n + model.first_order.len();
+        let mut stiffness = DMatrix::zeros(all, all);
+        add_rows(&mut stiffness.view_mut((0, 0), (n, n)), 1.0, |i| {
+            model.stiffness.row(i)
+        });
         let force = |i: usize| model.forces[i].value(0.0);
-        let mut right = DVector::from_fn(n, |i, _| {
+        let mut right = DVector::from_fn(all, |i, _| {
+            if let Some(state) = i.checked_sub(n) {
+                let state = &model.first_order[state];
+                let by_velocities = state.rate(|_| 0.0, |j| moving[j], |_| 0.0);
+                return by_velocities + state.scale * state.drive.value(0.0);
+            }
             let (diagonal, beside) = model.inverse_mass.row(i);
             let own = diagonal * force(i);
             beside.iter().fold(own, |sum, &(j, a)| sum + a * force(j))
@@ -132,6 +153,17 @@ impl<'m, 's> SlidingField<'m, 's> {
                 }
             }
         }
+        for (state, row) in std::iter::zip(&model.first_order, n..) {
+            for &(i, x) in &state.responses {
+                stiffness[(i, row)] -= x;
+            }
+            for &(j, a) in &state.displacements {
+                stiffness[(row, j)] -= a;
+            }
+            for &(k, a) in &state.states {
+                stiffness[(row, n + k)] -= a;
+            }
+        }
         let sticking = (0..contacts.len()).filter(|&c| contacts[c].is_none());
         let sticking: Vec<usize> = sticking.collect();
         for i in (0..n).filter(|_| velocities.is_some()) {
@@ -151,7 +183,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         let slides = contacts.into_iter().enumerate();
         let slides = slides.map(|(number, slides)| {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| balance.displacements[j]);
+            let load = contact.load_at(0.0, |j| balance.positions[j]);
             if load <= 0.0 || load.is_nan() {
                 let contact = number;
                 return Err(NotSliding::NoLoad { contact, load });
@@ -174,11 +206,10 @@ impl<'m, 's> SlidingField<'m, 's> {
         let contacts = slides.collect::<Result<_, _>>()?;
         for (&number, force) in std::iter::zip(&sticking, &balance.forces) {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| balance.displacements[j]);
-            let (limit, force) = (
-                contact.law.limit(&|_| 0.0).unwrap_or(0.0) * load,
-                force.abs(),
-            );
+            let load = contact.load_at(0.0, |j| balance.positions[j]);
+            let limits = contact.law.limits(&|_| 0.0).unwrap_or([0.0; 2]);
+            let limit = limit_force(load, limits[usize::from(*force > 0.0)]);
+            let force = force.abs();
             if force > limit * (1.0 + ROUNDING) {
                 return Err(NotSliding::OverLimit {
                     contact: number,
@@ -189,7 +220,8 @@ impl<'m, 's> SlidingField<'m, 's> {
         }
         Ok(Self {
             model,
-            displacements: balance.displacements.as_slice().to_vec(),
+            displacements: balance.positions.as_slice()[..n].to_vec(),
+            first_order: balance.positions.as_slice()[n..].to_vec(),
             accelerations: balance.accelerations.as_slice().to_vec(),
             contacts,
             elements,
@@ -233,6 +265,7 @@ impl<'m, 's> SlidingField<'m, 's> {
                 place.copy_from_slice(&sliding.memory);
             }
         }
+        memory[self.model.state_place(0)..].copy_from_slice(&self.first_order);
         let zeros = vec![0.0; self.model.len()];
         State::new(&self.displacements, &zeros).with_memory(&memory)
     }
@@ -248,11 +281,15 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (element, tangent) in std::iter::zip(&self.model.elements, &self.elements) {
             let (factor, m) = (element.factor.value(0.0), element.directions.len());
             for (by, slopes) in tangent.slopes.iter().enumerate() {
-                let first = if by < m { 0 } else { n };
                 for (response, slope) in std::iter::zip(&element.responses, slopes) {
                     for &(i, x) in response {
                         for &(j, a) in &element.directions[by % m] {
-                            matrix[(n + i, first + j)] -= x * factor * slope * a;
+                            let column = match by < m {
+                                true => self.model.position_row(j),
+                                false if j < n => n + j,
+                                false => continue,
+                            };
+                            matrix[(self.model.rate_row(i), column)] -= x * factor * slope * a;
                         }
                     }
                 }
@@ -273,6 +310,21 @@ impl<'m, 's> SlidingField<'m, 's> {
         let mut rates = matrix.view_mut((n, n), (n, n));
         add_rows(&mut rates, -1.0, |i| model.damping.row(i));
         self.add_elements(&mut matrix);
+        for (state, place) in std::iter::zip(&model.first_order, n..) {
+            let row = model.position_row(place);
+            for &(i, x) in &state.responses {
+                matrix[(n + i, row)] += x;
+            }
+            for &(j, a) in &state.displacements {
+                matrix[(row, j)] += a;
+            }
+            for &(j, a) in &state.velocities {
+                matrix[(row, n + j)] += a;
+            }
+            for &(k, a) in &state.states {
+                matrix[(row, model.position_row(n + k))] += a;
+            }
+        }
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
@@ -354,7 +406,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         let displaced = null_space(model, &rows);
         let mut active = Vec::new();
         let mut idle = 0;
-        rows.extend(rows_of(&model.damping));
+        rows.extend(rate_rows(model));
         for (c, slides) in self.contacts.iter().enumerate() {
             let Some(Slides { sliding, .. }) = slides else {
                 continue;
@@ -367,6 +419,13 @@ impl<'m, 's> SlidingField<'m, 's> {
                 rows.push(direction_row(model, c));
             }
             active.extend(acts.into_iter().map(|j| first + j));
+        }
+        for (state, place) in std::iter::zip(&model.first_order, n..) {
+            if state.acts {
+                active.push(model.position_row(place));
+            } else {
+                idle += 1;
+            }
         }
         let moved = null_space(model, &rows);
         // What is left, in units of one energy.
@@ -442,10 +501,11 @@ impl<'m, 's> SlidingField<'m, 's> {
         let (model, n) = (self.model, self.model.len());
         let mut terms = [DVector::zeros(self.order()), DVector::zeros(self.order())];
         for (element, tangent) in std::iter::zip(&model.elements, &self.elements) {
-            let along = element.along(|j| line[j]);
+            let along = element.along(|j| line[model.position_row(j)]);
             let positions = std::iter::zip(&tangent.positions, along);
             let positions = positions.map(|(x, part)| linear(*x, part));
-            let velocities = element.along(|j| line[n + j]).into_iter();
+            let velocities = element.along(|j| if j < n { line[n + j] } else { 0.0 });
+            let velocities = velocities.into_iter();
             let velocities = velocities.map(|part| linear(0.0, part));
             let forces = element.law.series(Place {
                 positions: &positions.collect::<Vec<_>>(),
@@ -456,7 +516,7 @@ impl<'m, 's> SlidingField<'m, 's> {
             for (response, force) in std::iter::zip(&element.responses, &forces) {
                 for &(i, x) in response {
                     for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
-                        terms[n + i] -= x * factor * force[k];
+                        terms[model.rate_row(i)] -= x * factor * force[k];
                     }
                 }
             }

@@ -63,7 +63,8 @@ impl Structure {
             let factor = held(element.factor());
             frozen = frozen.with_element(element.clone().with_factor(factor)?)?;
         }
-        Ok(frozen)
+        let states = self.first_orders().iter();
+        frozen.with_first_orders(states.map(|state| state.frozen(time)))
     }
 
     /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable

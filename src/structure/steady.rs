@@ -24,10 +24,13 @@ use crate::error::{Error, NotSliding};
 /// can then merge, and one of them can grow (flutter by mode coupling). This can happen even if
 /// friction does not fall with speed.
 ///
+/// [First-order states](crate::FirstOrder) have the values at which z' = 0. Their forces B z are
+/// added on the right sides, and the rows δz' = A_q δq + A_v δq' + A_z δz to the second equation.
+///
 /// For n coordinates the eigenvalues come from the Schur form of a 2n × 2n matrix. Each memory
-/// variable adds a row and a column to this matrix. The error of an eigenvalue is about nε times
-/// the largest eigenvalue (ε = 2.2e-16). The error grows to √(nε) times the largest eigenvalue if
-/// two eigenvalues nearly coincide. The work grows as n³.
+/// variable, and each first-order state, adds a row and a column to this matrix. The error of an
+/// eigenvalue is about nε times the largest eigenvalue (ε = 2.2e-16). The error grows to √(nε)
+/// times the largest eigenvalue if two eigenvalues nearly coincide. The work grows as n³.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -60,16 +63,19 @@ use crate::error::{Error, NotSliding};
 pub struct SteadySliding {
     /// Displacement of each coordinate, in the units of the structure.
     pub displacements: Vec<f64>,
-    /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
-    /// memory variable. They are sorted by descending real part; if real parts are equal, by
-    /// descending imaginary part. Two kinds of memory variables do not influence small motions: the
-    /// force of an elastic contact, which slip keeps at its limit, and a variable that is constant
-    /// in slip and has no effect on slip, such as the clock of a [`Dwell`](crate::Dwell). By
-    /// definition their eigenvalue is −∞, so that they do not count for stability.
+    /// Eigenvalues of small motions, in units of 1/time: two for each coordinate, one for each
+    /// memory variable and one for each first-order state. They are sorted by descending real part;
+    /// if real parts are equal, by descending imaginary part. Two kinds of memory variables do not
+    /// influence small motions: the force of an elastic contact, which slip keeps at its limit, and
+    /// a variable that is constant in slip and has no effect on slip, such as the clock of a
+    /// [`Dwell`](crate::Dwell). By definition their eigenvalue is −∞, so that they do not count for
+    /// stability.
     pub eigenvalues: Vec<Complex<f64>>,
     /// Acceleration of each coordinate, in the units of the structure: 0, except for rigid-body
     /// motions of [`Structure::steady_sliding_at`] whose velocities are not steady.
     pub accelerations: Vec<f64>,
+    /// Value of each [first-order state](crate::FirstOrder).
+    pub first_order: Vec<f64>,
 }
 
 impl Structure {
@@ -87,8 +93,9 @@ impl Structure {
     /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies in time, if
     /// the surface of a contact does not move (w = 0), or if a load is not positive in the
     /// equilibrium. The same error is returned if memory variables have no constant values, if a
-    /// number overflows, or if the stiffness matrix with the terms of friction is singular. To make
-    /// it non-singular, restrain the rigid-body modes, or use
+    /// number overflows, or if the stiffness matrix with the terms of friction and of first-order
+    /// states is singular, as with an integrator whose input cannot be 0. To make it non-singular,
+    /// restrain the rigid-body modes, or use
     /// [`steady_sliding_at`](Self::steady_sliding_at), which leaves them out. For a drill string
     /// that is driven at a given speed, use the frame that rotates at this speed: in this frame the
     /// driven end is fixed to the ground.
@@ -180,6 +187,7 @@ impl SteadySliding {
             displacements: field.displacements,
             eigenvalues,
             accelerations: field.accelerations,
+            first_order: field.first_order,
         })
     }
 }

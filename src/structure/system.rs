@@ -4,10 +4,11 @@ use nalgebra::DMatrix;
 
 use super::contact::Contact;
 use super::engine::model::{Mass, Model};
+use super::first_order::FirstOrder;
 use super::force_element::ForceElement;
 use super::matrices::{
-    MAX_CONTACTS, MAX_COORDINATES, add, add_between, add_matrix, check_contacts, check_count,
-    check_definite, check_masses, make_symmetric,
+    MAX_CONTACTS, MAX_COORDINATES, MAX_FIRST_ORDERS, add, add_between, add_matrix, check_contacts,
+    check_count, check_definite, check_first_orders, check_masses, make_symmetric,
 };
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
@@ -18,10 +19,11 @@ use crate::friction::memory::ContactLaw;
 /// with friction contacts between masses or on moving surfaces.
 ///
 /// ```text
-/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c,   v = q'
+/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c + B z,   v = q'
 /// contacts:  r_c = b_c·v − w_c(t),   N_c = N0_c(t) + Σ_j n_cj q_j
 ///            slip:  λ_c = N_c μ_c(r_c)     stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
 /// elements:  F_e = F_e(x_e, y_e),   x_ei = a_ei·q,   y_ei = a_ei·v
+/// states:    z' = A_q q + A_v v + A_z z + u(t) + F_z
 /// ```
 ///
 /// The n coordinates q_i are displacements, angles or modal coordinates. M, C and K are the mass,
@@ -42,6 +44,10 @@ use crate::friction::memory::ContactLaw;
 /// [`ForceElement`] e has the directions a_ei, the positions x_ei and velocities y_ei along them,
 /// the law F_e, a nonlinear function of these, and the factor D_e, 1 unless set. Elements are
 /// numbered from 0 in the order in which they are added.
+///
+/// First-order states z, such as the integral of a controller or the current of a motor, have no
+/// mass; each is a [`FirstOrder`], which gives its row of the equation and its forces, a column of
+/// B.
 ///
 /// # What is not covered
 ///
@@ -75,6 +81,11 @@ use crate::friction::memory::ContactLaw;
 /// move as one body on it.
 ///
 /// The result does not depend on the numbering of contacts.
+///
+/// A law may have static coefficients that differ by direction
+/// ([`Directional`](crate::Directional)), and a [freewheel](Contact::freewheel) an infinite one:
+/// the μ_s of the direction in which the contact slips, or would slip, then takes the place of μ_s
+/// in the rules above.
 ///
 /// Contacts whose directions are linearly dependent (parallel clutches; two brakes and the clutch
 /// between them) may stick at the same time. What each of them carries is then not determined, but
@@ -162,6 +173,7 @@ pub struct Structure {
     forces: Vec<Drive>,
     contacts: Vec<Contact>,
     elements: Vec<ForceElement>,
+    first_orders: Vec<FirstOrder>,
 }
 
 impl Structure {
@@ -172,6 +184,9 @@ impl Structure {
     /// The largest number of contacts, 4096. If all of them act on one coordinate, their couplings
     /// take 256 MiB.
     pub const MAX_CONTACTS: usize = MAX_CONTACTS;
+
+    /// The largest number of first-order states, 4096, as that of coordinates.
+    pub const MAX_FIRST_ORDERS: usize = MAX_FIRST_ORDERS;
 
     /// Creates a structure of free masses m_i > 0, one for each coordinate, without springs,
     /// dampers, forces or contacts.
@@ -192,6 +207,7 @@ impl Structure {
             forces: vec![Drive::constant(0.0); n],
             contacts: Vec::new(),
             elements: Vec::new(),
+            first_orders: Vec::new(),
         })
     }
 
@@ -396,6 +412,56 @@ impl Structure {
         Ok(self)
     }
 
+    /// Adds a first-order state: an integral, a current, a filter. States are numbered from 0, in
+    /// the order in which they are added. It may read the states before it and itself; states that
+    /// read each other are added together, by [`with_first_orders`](Self::with_first_orders).
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::NoSuchCoordinate`] if it names a coordinate that does not exist;
+    /// * [`Error::NoSuchState`] if it reads a first-order state that does not exist;
+    /// * [`Error::InvalidParameter`] beyond [`MAX_FIRST_ORDERS`](Self::MAX_FIRST_ORDERS).
+    #[doc(alias = "state space")]
+    #[doc(alias = "PID")]
+    pub fn with_first_order(self, state: FirstOrder) -> Result<Self, Error> {
+        self.with_first_orders([state])
+    }
+
+    /// Adds several first-order states, which may read each other.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`with_first_order`](Self::with_first_order), for the first state at fault.
+    ///
+    /// ```
+    /// use stick_slip::{FirstOrder, Structure, structure::State};
+    ///
+    /// // z_0' = z_1, z_1' = −z_0: cos t and −sin t.
+    /// let circle = Structure::new(&[1.0])?.with_first_orders([
+    ///     FirstOrder::integrator().with_state(1, 1.0)?,
+    ///     FirstOrder::integrator().with_state(0, -1.0)?,
+    /// ])?;
+    /// let start = State::at_rest(1).with_memory(&[1.0, 0.0]);
+    /// let end = circle.simulate(start, 10.0)?.last();
+    /// assert!((end.memory[0] - 10.0_f64.cos()).abs() < 1e-14);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_first_orders(
+        mut self,
+        states: impl IntoIterator<Item = FirstOrder>,
+    ) -> Result<Self, Error> {
+        let first = self.first_orders.len();
+        for state in states {
+            check_first_orders(self.first_orders.len() + 1)?;
+            self.first_orders.push(state);
+        }
+        let count = self.first_orders.len();
+        for (number, state) in self.first_orders.iter().enumerate().skip(first) {
+            state.check(number, self.len(), count)?;
+        }
+        Ok(self)
+    }
+
     /// Number of coordinates, at least 1.
     #[allow(clippy::len_without_is_empty)] // it never is
     pub fn len(&self) -> usize {
@@ -444,8 +510,14 @@ impl Structure {
         &self.elements
     }
 
-    /// The least common period of all drives: forces, loads and belt velocities. `None` if all are
-    /// constant or have no common period; see [`Drive::period`].
+    /// The first-order states, by their numbers.
+    pub fn first_orders(&self) -> &[FirstOrder] {
+        &self.first_orders
+    }
+
+    /// The least common period of all drives: forces, loads, belt velocities, factors of force
+    /// elements and inputs of first-order states. `None` if all are constant or have no common
+    /// period; see [`Drive::period`].
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure};
@@ -467,7 +539,9 @@ impl Structure {
         let contacts = self.contacts.iter();
         let of_contacts = contacts.flat_map(|contact| [contact.load(), contact.belt_velocity()]);
         let of_elements = self.elements.iter().map(ForceElement::factor);
-        self.forces.iter().chain(of_contacts).chain(of_elements)
+        let of_states = self.first_orders.iter().map(FirstOrder::drive);
+        let others = of_contacts.chain(of_elements).chain(of_states);
+        self.forces.iter().chain(others)
     }
 
     /// The model that the engine integrates.
@@ -476,12 +550,16 @@ impl Structure {
             Some(mass) => Mass::Full(mass),
             None => Mass::Diagonal(&self.masses),
         };
+        let states = || self.first_orders.iter().enumerate();
+        let laws = states().flat_map(|(number, state)| state.law_data(number, self.len()));
+        let elements = self.elements.iter().map(ForceElement::data).chain(laws);
+        let first_order = states().map(|(number, state)| state.data(number));
         Model::new(
             mass,
             [&self.stiffness, &self.damping],
             Cow::Borrowed(&self.forces),
             self.contacts.iter().map(Contact::data).collect(),
-            self.elements.iter().map(ForceElement::data).collect(),
+            (elements.collect(), first_order.collect()),
         )
     }
 }
@@ -514,6 +592,7 @@ where
             forces: vec![Drive::constant(0.0)],
             contacts: vec![contact],
             elements: Vec::new(),
+            first_orders: Vec::new(),
         }
     }
 }

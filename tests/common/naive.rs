@@ -18,13 +18,18 @@ pub struct Question {
     pub compliance: DMatrix<f64>,
     /// a⁰.
     pub free: DVector<f64>,
-    /// N μ_s and N μ̂(0).
-    pub limits: Vec<f64>,
-    pub kinetic: Vec<f64>,
+    /// N μ_s and N μ̂(0), backward and forward; infinite where it cannot slip.
+    pub limits: Vec<[f64; 2]>,
+    pub kinetic: Vec<[f64; 2]>,
 }
 
 /// 0 sticks, ±1 slips with that sign.
 pub type Pattern = Vec<i8>;
+
+/// Of two numbers backward and forward, that of a sign.
+pub fn on_side(pair: [f64; 2], side: i8) -> f64 {
+    pair[usize::from(side > 0)]
+}
 
 impl Question {
     /// G of some of them.
@@ -35,7 +40,7 @@ impl Question {
 
     /// What all carry, and how they are accelerated, with these forces in slip; `None` if those
     /// that stick are dependent.
-    fn solve(&self, pattern: &[i8], slipping: &[f64]) -> Option<(DVector<f64>, DVector<f64>)> {
+    fn solve(&self, pattern: &[i8], slipping: &[[f64; 2]]) -> Option<(DVector<f64>, DVector<f64>)> {
         let k = pattern.len();
         // λ of those that slip, and a = 0 of those that stick: one system for all.
         let mut matrix = DMatrix::identity(k, k);
@@ -49,7 +54,10 @@ impl Question {
                 }
                 right[c] = self.free[c] / unit;
             } else {
-                right[c] = f64::from(pattern[c]) * slipping[c];
+                right[c] = f64::from(pattern[c]) * on_side(slipping[c], pattern[c]);
+                if right[c].is_infinite() {
+                    return None;
+                }
             }
         }
         let stuck: Vec<usize> = (0..k).filter(|&c| pattern[c] == 0).collect();
@@ -67,10 +75,10 @@ impl Question {
 
     /// By how much the pattern keeps all its conditions, in units of force; negative if it breaks
     /// one.
-    fn margin(&self, pattern: &[i8], bounds: &[f64], slipping: &[f64]) -> Option<f64> {
+    fn margin(&self, pattern: &[i8], bounds: &[[f64; 2]], slipping: &[[f64; 2]]) -> Option<f64> {
         let (forces, accelerations) = self.solve(pattern, slipping)?;
         let margins = (0..pattern.len()).map(|c| match pattern[c] {
-            0 => bounds[c] - forces[c].abs(),
+            0 => (bounds[c][0] + forces[c]).min(bounds[c][1] - forces[c]),
             side => f64::from(side) * accelerations[c] / self.compliance[(c, c)],
         });
         Some(margins.fold(f64::INFINITY, f64::min))
@@ -83,7 +91,7 @@ impl Question {
     }
 
     /// The pattern that solves the programme with given limits, and how clearly.
-    pub fn programme(&self, limits: &[f64]) -> Option<(Pattern, f64)> {
+    pub fn programme(&self, limits: &[[f64; 2]]) -> Option<(Pattern, f64)> {
         let patterns = self.patterns();
         let margins = patterns.filter_map(|p| Some((self.margin(&p, limits, limits)?, p)));
         let best = margins.max_by(|a, b| a.0.total_cmp(&b.0));
@@ -109,8 +117,10 @@ impl Question {
             clear = clear.min(margin);
             let (_, accelerations) = self.solve(&pattern, &limits)?;
             let speed = |c: usize| {
-                let may = pattern[c] != 0 && !yielded[c] && self.kinetic[c] < self.limits[c];
-                let speed = accelerations[c].abs() / (self.compliance[(c, c)] * self.limits[c]);
+                let [limit, kinetic] =
+                    [self.limits[c], self.kinetic[c]].map(|pair| on_side(pair, pattern[c]));
+                let may = pattern[c] != 0 && !yielded[c] && kinetic < limit;
+                let speed = accelerations[c].abs() / (self.compliance[(c, c)] * limit);
                 if may { speed } else { 0.0 }
             };
             let speeds: Vec<f64> = (0..k).map(speed).collect();

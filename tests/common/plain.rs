@@ -4,8 +4,8 @@
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Drive, Exponential, FrictionLaw, Polynomial, Rational, Stribeck,
-    Structure, Tabulated,
+    AnyLaw, Contact, Coulomb, Drive, Exponential, FirstOrder, FrictionLaw, Polynomial, Rational,
+    Stribeck, Structure, Tabulated,
 };
 
 use crate::Random;
@@ -111,6 +111,9 @@ pub struct Plain {
     pub forces: Vec<PlainDrive>,
     pub contacts: Vec<PlainContact>,
     pub elements: Vec<PlainElement>,
+    /// How many of the last coordinates, of mass 1, are first-order states of the structure, by
+    /// their velocities; nothing depends on their displacements.
+    pub states: usize,
 }
 
 /// e_i.
@@ -220,6 +223,7 @@ impl Plain {
             forces,
             contacts,
             elements: Vec::new(),
+            states: 0,
         }
     }
 
@@ -343,6 +347,7 @@ impl Plain {
             forces,
             contacts,
             elements: Vec::new(),
+            states: 0,
         }
     }
 
@@ -417,17 +422,85 @@ impl Plain {
         self
     }
 
+    /// The same with one to three first-order states.
+    pub fn with_states(mut self, random: &mut Random) -> Self {
+        let n = self.len();
+        let r = 1 + (random.bits() % 3) as usize;
+        let all = n + r;
+        let mut entry = |size: f64| match random.bits() % 3 {
+            0 => 0.0,
+            _ => random.uniform(-size, size),
+        };
+        self.mass = self.mass.resize(all, all, 0.0);
+        self.stiffness = self.stiffness.resize(all, all, 0.0);
+        self.damping = self.damping.resize(all, all, 0.0);
+        for k in n..all {
+            self.mass[(k, k)] = 1.0;
+            for j in 0..n {
+                self.stiffness[(k, j)] = entry(1.0);
+                self.damping[(k, j)] = entry(1.0);
+                self.damping[(j, k)] = entry(0.5);
+            }
+            for l in n..all {
+                self.damping[(k, l)] = entry(0.5);
+            }
+            self.damping[(k, k)] += 1.0;
+        }
+        for contact in &mut self.contacts {
+            contact.direction = contact.direction.clone().resize_vertically(all, 0.0);
+            contact.gradient.resize(all, 0.0);
+        }
+        for element in &mut self.elements {
+            element.direction = element.direction.clone().resize_vertically(all, 0.0);
+        }
+        for _ in 0..r {
+            self.forces.push(PlainDrive::random(random, 0.3, true));
+        }
+        self.states = r;
+        self
+    }
+
+    /// The start of its structure: velocities of the coordinates that stand for first-order states
+    /// are these states.
+    pub fn state(&self, start: &State) -> State {
+        if self.states == 0 {
+            return start.clone();
+        }
+        let n = self.len() - self.states;
+        State::new(&start.displacements[..n], &start.velocities[..n])
+            .with_memory(&start.velocities[n..])
+    }
+
+    /// First-order state k.
+    fn first_order(&self, k: usize) -> FirstOrder {
+        let n = self.len() - self.states;
+        let mut state = FirstOrder::integrator();
+        for j in 0..n {
+            state = state
+                .with_displacement(j, -self.stiffness[(n + k, j)])
+                .and_then(|s| s.with_velocity(j, -self.damping[(n + k, j)]))
+                .and_then(|s| s.with_force(j, -self.damping[(j, n + k)]))
+                .unwrap();
+        }
+        for l in 0..self.states {
+            state = state.with_state(l, -self.damping[(n + k, n + l)]).unwrap();
+        }
+        state.with_drive(self.forces[n + k].drive()).unwrap()
+    }
+
     /// Number of coordinates.
     pub fn len(&self) -> usize {
         self.mass.nrows()
     }
 
     pub fn structure(&self) -> Structure {
-        let mut structure = Structure::with_mass_matrix(self.mass.clone())
-            .and_then(|s| s.with_stiffness(self.stiffness.clone()))
-            .and_then(|s| s.with_damping(self.damping.clone()))
+        let n = self.len() - self.states;
+        let own = |matrix: &DMatrix<f64>| matrix.view((0, 0), (n, n)).into_owned();
+        let mut structure = Structure::with_mass_matrix(own(&self.mass))
+            .and_then(|s| s.with_stiffness(own(&self.stiffness)))
+            .and_then(|s| s.with_damping(own(&self.damping)))
             .unwrap();
-        for (i, force) in self.forces.iter().enumerate() {
+        for (i, force) in self.forces[..n].iter().enumerate() {
             structure = structure.with_force(i, force.drive()).unwrap();
         }
         for contact in &self.contacts {
@@ -447,7 +520,8 @@ impl Plain {
             let made = made.with_factor(element.factor.drive()).unwrap();
             structure = structure.with_element(made).unwrap();
         }
-        structure
+        let states = (0..self.states).map(|k| self.first_order(k));
+        structure.with_first_orders(states).unwrap()
     }
 
     /// The rows b of some contacts.
@@ -682,8 +756,8 @@ impl<'p> Simple<'p> {
         let belts = resting
             .iter()
             .map(|&c| plain.contacts[c].belt.at(self.t, false)[1]);
-        let limits = |coefficient: &dyn Fn(&AnyLaw) -> f64| -> Vec<f64> {
-            let limit = |&c: &usize| loads[c] * coefficient(&plain.contacts[c].law);
+        let limits = |coefficient: &dyn Fn(&AnyLaw) -> f64| -> Vec<[f64; 2]> {
+            let limit = |&c: &usize| [loads[c] * coefficient(&plain.contacts[c].law); 2];
             resting.iter().map(limit).collect()
         };
         let question = Question {

@@ -3,8 +3,8 @@
 use serde_json::Value;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Drive, Dwell, Exponential, FrictionLaw,
-    LuGre, Polynomial, Rational, Scalar, Structure,
+    AnyContactLaw, AnyLaw, Contact, Coulomb, Directional, Drive, Dwell, Error, Exponential,
+    Freewheel, FrictionLaw, LuGre, Polynomial, Rational, Scalar, Structure,
 };
 
 use crate::forces::element;
@@ -85,18 +85,43 @@ pub fn law(contact: &Value, parameter: f64) -> AnyLaw {
 
 /// The system of a case, with a value of its parameter if it has one.
 pub fn structure(system: &Value, parameter: f64) -> Structure {
-    with_laws(system, parameter, |contact| law(contact, parameter))
+    with_laws(
+        system,
+        |contact, direction, load| {
+            let params = &contact["law_params"];
+            match contact["law"].as_str() {
+                Some("directional") => {
+                    let side = |name: &str| {
+                        let value = |which: &str| number(&params[name][which]);
+                        Coulomb::new(value("mus"), value("muk"))
+                    };
+                    let law = Directional::new(side("forward")?, side("backward")?)?;
+                    Contact::along(direction, law, load)
+                }
+                Some("freewheel") => {
+                    let drag = number(&params["drag"]);
+                    let law = Freewheel::new(Coulomb::new(drag, drag)?)?;
+                    Contact::along(direction, law, load)
+                }
+                _ => Contact::along(direction, law(contact, parameter), load),
+            }
+        },
+        parameter,
+    )
 }
 
 /// The system of a case whose contacts remember.
 pub fn remembering(system: &Value) -> Structure {
-    with_laws(system, f64::NAN, contact_law)
+    let made = |contact: &Value, direction: &[(usize, f64)], load| {
+        Contact::along(direction, contact_law(contact), load)
+    };
+    with_laws(system, made, f64::NAN)
 }
 
-fn with_laws<L: ContactLaw + Send + Sync + 'static>(
+fn with_laws(
     system: &Value,
+    contact_of: impl Fn(&Value, &[(usize, f64)], Drive) -> Result<Contact, Error>,
     parameter: f64,
-    law: impl Fn(&Value) -> L,
 ) -> Structure {
     let matrix = |name: &str| {
         let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
@@ -118,7 +143,7 @@ fn with_laws<L: ContactLaw + Send + Sync + 'static>(
         if contact.is_null() {
             continue;
         }
-        let load = match &contact["N0"] {
+        let load: Drive = match &contact["N0"] {
             load @ Value::Object(_) => drive(load, parameter),
             load => number(load).into(),
         };
@@ -126,7 +151,7 @@ fn with_laws<L: ContactLaw + Send + Sync + 'static>(
             Value::Null => vec![(i, 1.0)],
             row => numbers(row).into_iter().enumerate().collect(),
         };
-        let mut made = Contact::along(&direction, law(contact), load)
+        let mut made = contact_of(contact, &direction, load)
             .unwrap()
             .on_belt(drive(&contact["w"], parameter));
         let gradients = contact.get("n").map(numbers).unwrap_or_default();

@@ -9,11 +9,11 @@ use stick_slip::analysis::{PureSlip, averaging, design, lugre};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Period};
 use stick_slip::{
-    Backlash, Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
-    ForceElement, ForceLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion, Pendulum, Physical,
-    Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search, Slip, SnapThrough,
-    State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction, VanDerPol, bifurcation,
-    check_law, structure,
+    Backlash, Contact, ContactLaw, Coulomb, Dahl, Directional, Drive, Dwell, Error, EventKind,
+    Exponential, FirstOrder, ForceElement, ForceLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion,
+    Pendulum, Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search,
+    Slip, SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction,
+    VanDerPol, bifurcation, check_law, structure,
 };
 use stick_slip_tests_common::masses::driven as forced;
 use stick_slip_tests_common::polynomials::Polynomials;
@@ -226,6 +226,9 @@ fn laws() -> Vec<Case> {
         "LuGre" "viscous" BELOW, |x| LuGre::new(law(), 1e3, 1.0, x);
         "Dahl" "coefficient" NOT_ABOVE, |x| Dahl::new(x, 1e3);
         "Dahl" "stiffness" NOT_ABOVE, |x| Dahl::new(0.4, x);
+        "Directional" "static_coefficient" BELOW, |x| Directional::capstan(x, 0.2, 1.0);
+        "Directional" "kinetic_coefficient" &[-1.0, 0.5], |x| Directional::capstan(0.4, x, 1.0);
+        "Directional" "wrap" &[-1.0, 1e4], |x| Directional::capstan(0.4, 0.2, x);
         "Dwell" "limit" &[0.3, 0.39], |x| Dwell::exponential(law(), x, 1.0);
         "Dwell" "limit" &[0.3, 0.39], |x| Dwell::hyperbolic(law(), x, 1.0);
         "Dwell" "rate" BELOW, |x| Dwell::logarithmic(law(), x, 1.0);
@@ -299,6 +302,16 @@ fn systems() -> Vec<Case> {
         "Drive" "value" &ANY, |x| Drive::function(Timed([1.0, 1.0, 1.0, x]));
         "Contact" "load" NOT_ABOVE, |x| Contact::new(0, law(), x);
         "Contact" "gradient" &ANY, |x| Contact::new(0, law(), 1.0)?.with_load_gradient(0, x);
+        "FirstOrder" "time_constant" &[-1.0, 0.0, -0.0, 5e-324], |x| FirstOrder::lag(x);
+        "FirstOrder" "gain" &ANY, |x| FirstOrder::integrator().with_displacement(0, x);
+        "FirstOrder" "gain" &ANY, |x| FirstOrder::integrator().with_velocity(0, x);
+        "FirstOrder" "gain" &ANY, |x| FirstOrder::integrator().with_state(0, x);
+        "FirstOrder" "gain" &ANY, |x| FirstOrder::integrator().with_force(0, x);
+        "FirstOrder" "gain" &[f64::MAX],
+            |x| FirstOrder::integrator().with_force(0, f64::MAX)?.with_force(0, x);
+        "Drive" "value" &ANY, |x| FirstOrder::integrator().with_drive(x);
+        "ForceLaw" "slope of the potential" &[1e-3, -1.0],
+            |x| FirstOrder::integrator().with_law_of_state(0, Stored(x));
         "Structure" "mass 1" NOT_ABOVE, |x| Structure::new(&[1.0, x, -2.0]);
         "Structure" "mass matrix (1, 1)" NOT_ABOVE,
             |x| Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, x]));

@@ -17,6 +17,7 @@ mod dwell;
 mod elastic;
 mod event_loci;
 mod families;
+mod first_order;
 mod fold_grazing;
 mod follow;
 mod forces;

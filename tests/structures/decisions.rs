@@ -3,17 +3,19 @@
 use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Error, Integrator, Mode, Segment, Structure};
+use stick_slip::{
+    Contact, Coulomb, Directional, Error, Freewheel, Integrator, Mode, Segment, Structure,
+};
 
 use crate::common::{Random, count, forces};
-use crate::naive::{Pattern, Question, is_definite};
+use crate::naive::{Pattern, Question, is_definite, on_side};
 
 /// A structure of n masses at rest with k contacts under constant forces, and what it has to
 /// decide.
 fn drawn(
     random: &mut Random,
     [n, k]: [usize; 2],
-    [falls, are_alike]: [bool; 2],
+    [falls, are_alike, is_sided]: [bool; 3],
 ) -> (Structure, Question) {
     let part = DMatrix::from_fn(n, n, |_, _| random.uniform(-0.7, 0.7));
     let masses = DMatrix::from_fn(n, n, |i, j| {
@@ -44,20 +46,33 @@ fn drawn(
         for &(j, b) in &direction {
             rows[(c, j)] = b;
         }
-        let limit = random.uniform(0.3, 0.9);
-        let start = if falls {
-            limit * random.uniform(0.4, 0.95)
-        } else {
-            limit
+        let mut coefficients = || {
+            let limit = random.uniform(0.3, 0.9);
+            let part = if falls {
+                random.uniform(0.4, 0.95)
+            } else {
+                1.0
+            };
+            [limit, part * limit]
         };
+        let forward = coefficients();
+        let backward = if is_sided { coefficients() } else { forward };
         let load = if are_alike {
             random.logarithmic(0.01, 1.0)
         } else {
             random.uniform(0.3, 2.0)
         };
-        limits.push(load * limit);
-        kinetic.push(load * start);
-        let contact = Contact::along(&direction, Coulomb::new(limit, start).unwrap(), load);
+        limits.push([load * backward[0], load * forward[0]]);
+        kinetic.push([load * backward[1], load * forward[1]]);
+        let [back, front] = [backward, forward].map(|[s, k]| Coulomb::new(s, k).unwrap());
+        let contact = match random_side(random, is_sided) {
+            Some(true) => {
+                (limits[c][1], kinetic[c][1]) = (f64::INFINITY, f64::INFINITY);
+                Contact::along(&direction, Freewheel::new(back).unwrap(), load)
+            }
+            Some(false) => Contact::along(&direction, Directional::new(front, back).unwrap(), load),
+            None => Contact::along(&direction, front, load),
+        };
         structure = structure.with_contact(contact.unwrap()).unwrap();
     }
     let inverse = mass.try_inverse().unwrap();
@@ -68,6 +83,11 @@ fn drawn(
         kinetic,
     };
     (structure, question)
+}
+
+/// True for a freewheel, false for limits that differ; `None` if both are the same.
+fn random_side(random: &mut Random, is_sided: bool) -> Option<bool> {
+    is_sided.then(|| random.bits().is_multiple_of(4))
 }
 
 /// What the crate decides.
@@ -89,14 +109,23 @@ pub(crate) fn pattern_of(modes: &[Mode]) -> Pattern {
 
 #[test]
 fn decisions_are_those_of_all_patterns_tried() {
-    let mut random = Random::new(4);
+    decisions_are_right(Random::new(4), false, count(60, 300));
+}
+
+/// The same of limits that differ by direction, and of freewheels.
+#[test]
+fn decisions_of_limits_by_direction_are_those_of_all_patterns_tried() {
+    decisions_are_right(Random::new(52), true, count(120, 1000));
+}
+
+fn decisions_are_right(mut random: Random, is_sided: bool, cases: usize) {
+    let random = &mut random;
     let (mut tried, mut several, mut unclear) = (0, 0, 0);
-    let cases = count(60, 300);
     while tried < cases {
         let k = 2 + (random.bits() % 4) as usize;
         let falls = random.bits().is_multiple_of(2);
         let n = k + (random.bits() % 2) as usize;
-        let (structure, question) = drawn(&mut random, [n, k], [falls, false]);
+        let (structure, question) = drawn(random, [n, k], [falls, false, is_sided]);
         if !is_definite(&question.compliance) {
             continue;
         }
@@ -121,10 +150,13 @@ fn decisions_are_those_of_all_patterns_tried() {
         for c in 0..k {
             let (force, limit) = (carried[c], question.limits[c]);
             match found[c] {
-                0 => assert!(force.abs() <= limit * (1.0 + 1e-12) && pull[c].abs() < 1e-11),
+                0 => {
+                    let limit = on_side(limit, if force > 0.0 { 1 } else { -1 });
+                    assert!(force.abs() <= limit * (1.0 + 1e-12) && pull[c].abs() < 1e-11);
+                }
                 side => {
-                    let kinetic = f64::from(side) * question.kinetic[c];
-                    assert_abs_diff_eq!(force, kinetic, epsilon = 1e-14 * limit);
+                    let kinetic = f64::from(side) * on_side(question.kinetic[c], side);
+                    assert_abs_diff_eq!(force, kinetic, epsilon = 1e-14 * on_side(limit, side));
                     assert!(f64::from(side) * pull[c] > 0.0);
                 }
             }
@@ -145,7 +177,7 @@ fn more_contacts_than_masses_come_to_a_decision() {
     for _ in 0..count(1000, 5000) {
         let n = 3 + (random.bits() % 5) as usize;
         let k = 2 * n + (random.bits() % n as u64) as usize;
-        let (structure, question) = drawn(&mut random, [n, k], [false, true]);
+        let (structure, question) = drawn(&mut random, [n, k], [false, true, false]);
         let state = State::at_rest(n);
         let carried = match structure.carried(0.0, &state) {
             Err(Error::TooManyMechanisms { contacts, .. }) if contacts.len() == k => continue,
@@ -155,7 +187,7 @@ fn more_contacts_than_masses_come_to_a_decision() {
         let carried = DVector::from_vec(forces(&carried));
         let pull = &question.free - &question.compliance * &carried;
         for c in 0..k {
-            let (force, limit) = (carried[c], question.limits[c]);
+            let (force, [limit, _]) = (carried[c], question.limits[c]);
             assert!(force.abs() <= limit * (1.0 + 1e-12), "{structure:?}");
             let works = pull[c].abs() <= 1e-10 || (force - limit * pull[c].signum()).abs() < 1e-12;
             assert!(works, "{force} {limit} {}: {structure:?}", pull[c]);

@@ -4,7 +4,10 @@
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Direction, Drive, EventKind, Mode, Structure, Trajectory};
+use stick_slip::{
+    Contact, Coulomb, Direction, Directional, Drive, EventKind, Freewheel, Mode, Structure,
+    Trajectory,
+};
 
 use crate::common::{Random, count, forces, list, text};
 use crate::reading::{cases, numbers, structure};
@@ -15,7 +18,9 @@ fn even(coefficient: f64) -> Coulomb {
 
 fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
     let events = motion.events().iter();
-    events.map(|event| (event.contact, event.kind)).collect()
+    events
+        .map(|event| (event.contact().unwrap(), event.kind))
+        .collect()
 }
 
 /// Two shafts, a brake on each and a clutch between them, with a torque that grows by 1 in a unit
@@ -212,7 +217,8 @@ struct Drawn {
     rows: DMatrix<f64>,
     inverse: DMatrix<f64>,
     force: DVector<f64>,
-    limits: Vec<f64>,
+    /// Backward and forward.
+    limits: Vec<[f64; 2]>,
 }
 
 impl Drawn {
@@ -240,10 +246,24 @@ impl Drawn {
             for &(j, b) in &direction {
                 rows[(c, j)] = b;
             }
-            let limit = random.uniform(0.1, 1.5);
+            let mut limit = [0, 1].map(|_| random.uniform(0.1, 1.5));
+            let contact = match random.bits() % 4 {
+                0 | 1 => {
+                    limit[1] = limit[0];
+                    Contact::along(&direction, even(0.5), 2.0 * limit[0])
+                }
+                2 => {
+                    let law = Directional::new(even(0.5 * limit[1]), even(0.5 * limit[0]));
+                    Contact::along(&direction, law.unwrap(), 2.0)
+                }
+                _ => {
+                    limit[1] = f64::INFINITY;
+                    let law = Freewheel::new(even(0.5)).unwrap();
+                    Contact::along(&direction, law, 2.0 * limit[0])
+                }
+            };
             limits.push(limit);
-            let contact = Contact::along(&direction, even(0.5), 2.0 * limit).unwrap();
-            structure = structure.with_contact(contact).unwrap();
+            structure = structure.with_contact(contact.unwrap()).unwrap();
         }
         Self {
             structure,
@@ -268,7 +288,7 @@ impl Drawn {
             for c in (0..k).filter(|&c| held.is_none_or(|(other, _)| c != other)) {
                 let pull = free[c] - (compliance.row(c) * &carried)[0];
                 let next = carried[c] + pull / compliance[(c, c)];
-                let next = next.clamp(-self.limits[c], self.limits[c]);
+                let next = next.clamp(-self.limits[c][0], self.limits[c][1]);
                 moved = moved.max((next - carried[c]).abs());
                 carried[c] = next;
             }
@@ -299,21 +319,26 @@ fn decisions_of_dependent_contacts_solve_the_programme() {
             * (&drawn.force - drawn.rows.transpose() * DVector::from_vec(forces(&carried)));
         assert_abs_diff_eq!(balance, DVector::from_vec(found), epsilon = 1e-13);
         for (c, of) in carried.iter().enumerate() {
-            let limit = drawn.limits[c] * (1.0 + 1e-13);
-            assert!(of.force.abs() <= limit, "{case} {of:?} {limit}");
+            let [least, most] = drawn.limits[c].map(|limit| limit * (1.0 + 1e-13));
+            assert!(
+                -least <= of.force && of.force <= most,
+                "{case} {of:?} {least} {most}"
+            );
             assert!(of.least <= of.force && of.force <= of.most, "{case} {of:?}");
             if of.is_determined() {
                 continue;
             }
             rest += 1;
             // The ends of the range are possible, and nothing beyond them.
-            for (end, beyond) in [(of.least, -1e-3), (of.most, 1e-3)] {
+            let ends = [(of.least, -1e-3), (of.most, 1e-3)];
+            for (end, beyond) in ends.into_iter().filter(|(end, _)| end.is_finite()) {
                 let apart = |value: f64| {
                     let held = drawn.accelerations(Some((c, value)));
                     (held - &expected).amax()
                 };
                 assert!(apart(end) < 1e-6, "{case} {c} {of:?}");
-                if (end + beyond).abs() < drawn.limits[c] {
+                let [least, most] = drawn.limits[c];
+                if (-least..most).contains(&(end + beyond)) {
                     assert!(apart(end + beyond) > 1e-6, "{case} {c} {of:?}");
                     ranges += 1;
                 }

@@ -134,10 +134,10 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
         }
     }
 
-    fn dry_slip(&self) -> Option<LawRef<'_>> {
+    fn dry_slip(&self, direction: f64) -> Option<LawRef<'_>> {
         match self {
-            Self::Dry(law) => law.dry_slip(),
-            Self::Dwell(law) => law.dry_slip(),
+            Self::Dry(law) => law.dry_slip(direction),
+            Self::Dwell(law) => law.dry_slip(direction),
             Self::Dahl(_) | Self::LuGre(_) => None,
         }
     }

@@ -213,7 +213,7 @@ impl<L: FrictionLaw> ContactLaw for Dwell<L> {
         Some(NamedLaw::Contact(Dwell { law, form, time }.into()))
     }
 
-    fn dry_slip(&self) -> Option<LawRef<'_>> {
+    fn dry_slip(&self, _: f64) -> Option<LawRef<'_>> {
         Some(self.law.erased())
     }
 }

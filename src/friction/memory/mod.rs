@@ -3,6 +3,8 @@
 // | file | what is in it |
 // |---|---|
 // | `mod.rs` | `ContactLaw`, the trait of every contact law, and its arguments |
+// | `directional.rs` | friction that depends on the direction of slip |
+// | `freewheel.rs` | a contact that slips in one direction only |
 // | `dwell.rs` | static friction that rises with the time in stick |
 // | `bristle.rs` | LuGre's and Dahl's bristles |
 // | `any.rs` | a contact law chosen at run time |
@@ -15,7 +17,9 @@ mod any;
 mod bristle;
 #[cfg(feature = "structures")]
 mod check;
+mod directional;
 mod dwell;
+mod freewheel;
 #[cfg(feature = "structures")]
 pub(crate) mod object;
 #[cfg(feature = "serde")]
@@ -27,7 +31,9 @@ pub use any::AnyContactLaw;
 pub use bristle::{Dahl, LuGre};
 #[cfg(feature = "structures")]
 pub(crate) use check::validate;
+pub use directional::Directional;
 pub use dwell::Dwell;
+pub use freewheel::Freewheel;
 #[cfg(feature = "structures")]
 pub(crate) use sliding::{Input, Sliding};
 
@@ -116,34 +122,51 @@ impl<S: Copy, const Z: usize> Variables<S> for [S; Z] {
 pub enum NamedLaw {
     /// A law without memory variables.
     Dry(AnyLaw),
+    /// One that depends on the direction of slip, without memory variables.
+    Sided(SidedLaw),
     /// A law with one memory variable, which a dry law does not use.
     Contact(AnyContactLaw<AnyLaw>),
+}
+
+/// A law of the crate that depends on the direction of slip. Not exported.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "lowercase")
+)]
+pub enum SidedLaw {
+    /// Two laws.
+    Directional(Directional<AnyLaw, AnyLaw>),
+    /// The law of the drag.
+    Freewheel(Freewheel<AnyLaw>),
 }
 
 /// The friction law of a contact, with or without memory.
 ///
 /// ```text
-/// slip:   friction  λ = N·μ(r, z),   z' = rates(r, N, z)
-/// stick:  |λ| ≤ N·μ_s(z),            z' = rates(N, z)
+/// slip:   friction  λ = N·μ(r, z),         z' = rates(r, N, z)
+/// stick:  −N·μ_s⁻(z) ≤ λ ≤ N·μ_s⁺(z),      z' = rates(N, z)
 /// ```
 ///
-/// N is the normal load, λ the friction force, μ the friction coefficient, and μ_s the static
-/// coefficient. z are the memory variables; [`rates`](Self::rates) returns their rates z'. r = σs
-/// is the relative velocity, with the direction of slip σ = ±1 and the sliding speed s. A positive
-/// λ opposes a positive r. Every [`FrictionLaw`] is also a contact law, without memory: μ(r) =
-/// σμ̂(s), with its kinetic coefficient μ̂(s) and its own μ_s.
+/// N is the normal load, λ the friction force, μ the friction coefficient, and μ_s⁺ and μ_s⁻ the
+/// static coefficients against slip forward and backward; most laws have one μ_s for both. z are
+/// the memory variables; [`rates`](Self::rates) returns their rates z'. r = σs is the relative
+/// velocity, with the direction of slip σ = ±1 and the sliding speed s. A positive λ opposes a
+/// positive r. Every [`FrictionLaw`] is also a contact law, without memory: μ(r) = σμ̂(s), with its
+/// kinetic coefficient μ̂(s) and its own μ_s. [`Directional`] combines two of them, one for each
+/// direction.
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
 /// on the direction of slip, and on the numbers that [`Scalar::value`] returns for its arguments.
 ///
-/// The limits of stick are symmetric: there is one μ_s for both directions, at least as large as
-/// the larger kinetic coefficient at speed 0. A law with a smaller coefficient in one direction
-/// describes slip in this direction, but not its onset: the contact sticks up to ±N·μ_s.
+/// If friction depends on the direction of slip, write [`limits`](Self::limits), too: otherwise the
+/// contact sticks up to the same force in both directions.
 ///
 /// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros,
-/// under the load at time 0.
-/// At speed 0, μ_s must be at least |μ|, and friction must oppose slip. The law must be continuous
-/// at its breakpoints and, if it never sticks, at r = 0.
+/// under the load at time 0. At speed 0, the static coefficient of each direction must be at least
+/// |μ|, and friction must oppose slip. The law must be continuous at its breakpoints and, if it
+/// never sticks, at r = 0.
 ///
 /// ```
 /// use stick_slip::{Contact, ContactLaw, Drive, Motion, Scalar, Slip, Structure, structure::State};
@@ -205,7 +228,20 @@ pub trait ContactLaw: Sized {
     /// Static coefficient μ_s(z), dimensionless: the contact sticks while the size of its force is
     /// at most N·μ_s, in both directions. `None` for a contact that never sticks. The argument
     /// `zero` is the number 0 of type `S`: `zero.constant(0.4)` is the constant 0.4 of this type.
+    ///
+    /// If you write [`limits`](Self::limits), this function is not called.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
+
+    /// Static coefficients against slip backward and forward, `[μ_s⁻(z), μ_s⁺(z)]`, dimensionless:
+    /// the contact sticks while −N·μ_s⁻ ≤ λ ≤ N·μ_s⁺. `None` for a contact that never sticks.
+    ///
+    /// By default both are [`limit`](Self::limit). Write this function if friction depends on the
+    /// direction of slip. One of the two may be infinite: the contact never slips in this
+    /// direction, and the coefficient there does not matter. See [`Freewheel`].
+    #[inline(always)]
+    fn limits<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<[S; 2]> {
+        self.limit(zero, memory).map(|limit| [limit; 2])
+    }
 
     /// Rates of change dz/dt of the memory variables, per unit of time. `load` is the normal load
     /// N, in units of force: frictional heat N·μ|r|, for example, drives the temperature of a
@@ -252,10 +288,10 @@ pub trait ContactLaw: Sized {
         None
     }
 
-    /// The friction in slip in the form used by the engine of one mass; `None` if it depends on
-    /// memory variables, or if these change in slip.
+    /// The friction in slip in a direction (±1), in the form used by the engine of one mass, with
+    /// the same pieces; `None` if it depends on memory variables, or if these change in slip.
     #[doc(hidden)]
-    fn dry_slip(&self) -> Option<LawRef<'_>> {
+    fn dry_slip(&self, _direction: f64) -> Option<LawRef<'_>> {
         None
     }
 }
@@ -294,7 +330,7 @@ impl<L: FrictionLaw> ContactLaw for L {
         FrictionLaw::constant(self, own)
     }
 
-    fn dry_slip(&self) -> Option<LawRef<'_>> {
+    fn dry_slip(&self, _: f64) -> Option<LawRef<'_>> {
         Some(self.erased())
     }
 }

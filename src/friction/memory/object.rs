@@ -29,10 +29,10 @@ pub(crate) trait LawObject {
     /// Replaces sliding speeds by μ(r, z), with direction and piece of `slip`; a speed below 0 by
     /// that at 0. The memory by the number of the speed, then by variable.
     fn values(&self, slip: Slip<()>, speeds: &mut [f64], memory: &dyn Fn(usize, usize) -> f64);
-    /// μ_s(z).
-    fn limit(&self, memory: Memory<'_>) -> Option<f64>;
-    /// ∂μ_s/∂z_j; NaN for a law that never sticks.
-    fn limit_slope(&self, memory: &[f64], by: usize) -> f64;
+    /// μ_s(z) backward and forward.
+    fn limits(&self, memory: Memory<'_>) -> Option<[f64; 2]>;
+    /// ∂μ_s/∂z_j of both; NaN for a law that never sticks.
+    fn limit_slopes(&self, memory: &[f64], by: usize) -> [f64; 2];
     /// The change of variable j, from a memory of zeros, that changes μ_s or μ at r = 0 by 1;
     /// infinite if none does.
     fn memory_unit(&self, by: usize) -> f64;
@@ -52,8 +52,9 @@ pub(crate) trait LawObject {
     fn named(&self) -> Option<NamedLaw>;
     /// The one coefficient of a law without memory for which μ_s = μ at every speed.
     fn constant(&self) -> Option<f64>;
-    /// The law of slip without memory, for the series of one mass; then no memory changes in slip.
-    fn dry_slip(&self) -> Option<&dyn Law>;
+    /// The law of slip in a direction without memory, for the series of one mass; then no memory
+    /// changes in slip.
+    fn dry_slip(&self, direction: f64) -> Option<&dyn Law>;
 
     /// The operations that give σμ in slip, then the rates of the memory, from the sliding speed
     /// and the memory, under a constant load N.
@@ -73,8 +74,9 @@ pub(crate) trait LawObject {
         slip: Slip<f64>,
         memory: &mut MemoryOrder<'_>,
     ) -> (f64, f64);
-    /// Coefficient k of μ_s in stick, 0 for a law that never sticks, and of the rates.
-    fn stick_order(&self, tape: &mut Tape, k: usize, memory: &mut MemoryOrder<'_>) -> f64;
+    /// Coefficient k of μ_s in stick backward and forward, 0 for a law that never sticks, and of
+    /// the rates.
+    fn stick_order(&self, tape: &mut Tape, k: usize, memory: &mut MemoryOrder<'_>) -> [f64; 2];
     /// The series of the law along a motion under a load N, and of its derivative by one of its
     /// inputs.
     fn derivative(
@@ -111,6 +113,7 @@ impl fmt::Debug for dyn LawObject + '_ {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.named() {
             Some(NamedLaw::Dry(law)) => law.fmt(f),
+            Some(NamedLaw::Sided(law)) => law.fmt(f),
             Some(NamedLaw::Contact(law)) => law.fmt(f),
             None => f.write_str("a user's law"),
         }
@@ -142,27 +145,30 @@ impl<L: ContactLaw> LawObject for L {
         }
     }
 
-    fn limit(&self, memory: Memory<'_>) -> Option<f64> {
-        ContactLaw::limit(self, 0.0, Variables::from_fn(memory))
+    fn limits(&self, memory: Memory<'_>) -> Option<[f64; 2]> {
+        ContactLaw::limits(self, 0.0, Variables::from_fn(memory))
     }
 
-    fn limit_slope(&self, memory: &[f64], by: usize) -> f64 {
+    fn limit_slopes(&self, memory: &[f64], by: usize) -> [f64; 2] {
         let inputs = along::<L, _>(|j| memory[j], Input::Memory(by));
-        let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs);
-        limit.map_or(f64::NAN, Dual::derivative)
+        let limits = ContactLaw::limits(self, Dual::along(0.0, 0.0), inputs);
+        limits.map_or([f64::NAN; 2], |limits| limits.map(Dual::derivative))
     }
 
     fn memory_unit(&self, by: usize) -> f64 {
         let inputs = along::<L, _>(|_| 0.0, Input::Memory(by));
-        let limit =
-            ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs).map_or(0.0, Dual::derivative);
-        let slip = Slip {
-            speed: Dual::along(0.0, 0.0),
-            direction: 1.0,
-            piece: 0,
-        };
-        let coefficient = ContactLaw::coefficient(self, slip, inputs).derivative();
-        limit.abs().max(coefficient.abs()).recip()
+        let limits = ContactLaw::limits(self, Dual::along(0.0, 0.0), inputs);
+        let limits = limits.map_or([0.0; 2], |limits| limits.map(Dual::derivative));
+        let coefficients = [-1.0, 1.0].map(|direction| {
+            let slip = Slip {
+                speed: Dual::along(0.0, 0.0),
+                direction,
+                piece: 0,
+            };
+            ContactLaw::coefficient(self, slip, inputs).derivative()
+        });
+        let slopes = limits.into_iter().chain(coefficients);
+        slopes.map(f64::abs).fold(0.0, f64::max).recip()
     }
 
     fn rates(
@@ -195,8 +201,8 @@ impl<L: ContactLaw> LawObject for L {
         ContactLaw::constant(self, Own)
     }
 
-    fn dry_slip(&self) -> Option<&dyn Law> {
-        ContactLaw::dry_slip(self).map(LawRef::law)
+    fn dry_slip(&self, direction: f64) -> Option<&dyn Law> {
+        ContactLaw::dry_slip(self, direction).map(LawRef::law)
     }
 
     fn record(
@@ -254,7 +260,7 @@ impl<L: ContactLaw> LawObject for L {
         })
     }
 
-    fn stick_order(&self, tape: &mut Tape, k: usize, memory: &mut MemoryOrder<'_>) -> f64 {
+    fn stick_order(&self, tape: &mut Tape, k: usize, memory: &mut MemoryOrder<'_>) -> [f64; 2] {
         let MemoryOrder {
             load,
             series,
@@ -264,12 +270,12 @@ impl<L: ContactLaw> LawObject for L {
             let zero = run.input(0.0);
             let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(series[j][k]));
             let load = run.input(*load);
-            let limit = ContactLaw::limit(self, zero, memory);
+            let limits = ContactLaw::limits(self, zero, memory);
             let found = ContactLaw::rates(self, Motion::Stick, load, memory);
             for (rate, found) in std::iter::zip(&mut **rates, found.as_ref()) {
                 *rate = found.coefficient();
             }
-            limit.map_or(0.0, |limit| limit.coefficient())
+            limits.map_or([0.0; 2], |limits| limits.map(|limit| limit.coefficient()))
         })
     }
 
@@ -299,9 +305,9 @@ impl<L: ContactLaw> LawObject for L {
                 (coefficient, false, rates)
             }
             Motion::Stick => {
-                let limit = ContactLaw::limit(self, nothing, memory);
-                let depends =
-                    limit.is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
+                let limits = ContactLaw::limits(self, nothing, memory);
+                let mut limits = limits.iter().flatten();
+                let depends = limits.any(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
                 let rates = ContactLaw::rates(self, Motion::Stick, load, memory);
                 (nothing, depends, rates)
             }

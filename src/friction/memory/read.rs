@@ -8,6 +8,42 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Directional<F, B> {
+    forward: F,
+    backward: B,
+}
+
+impl<F, B> From<super::Directional<F, B>> for Directional<F, B> {
+    fn from(law: super::Directional<F, B>) -> Self {
+        Self {
+            forward: law.forward,
+            backward: law.backward,
+        }
+    }
+}
+
+impl<F: FrictionLaw, B: FrictionLaw> TryFrom<Directional<F, B>> for super::Directional<F, B> {
+    type Error = Error;
+    fn try_from(read: Directional<F, B>) -> Result<Self, Error> {
+        Self::new(read.forward, read.backward)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Freewheel<L> {
+    drag: L,
+}
+
+impl<L: FrictionLaw> TryFrom<Freewheel<L>> for super::Freewheel<L> {
+    type Error = Error;
+    fn try_from(read: Freewheel<L>) -> Result<Self, Error> {
+        Self::new(read.drag)
+    }
+}
+
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Dwell<L> {
     Exponential(Limited<L>),

@@ -14,7 +14,8 @@ use crate::series::{INTEGRAL, PowerSeries};
 /// All orders of the coordinate and the contact that slip alone, and all after the first of those
 /// that are held; returns false if the law gives no number or no slope.
 pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
-    let Some(law) = model.contacts[c].law.dry_slip() else {
+    let side = series.contacts[c].side;
+    let Some(law) = model.contacts[c].law.dry_slip(side) else {
         return false;
     };
     let Series {
@@ -28,7 +29,6 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         let terms = terms.map(|&(j, a)| a * coordinates[j].motion.displacement(order));
         terms.sum::<f64>()
     };
-    let side = contacts[c].side;
     let (spring, springs) = model.stiffness.row(i);
     let (damping, dampers) = model.damping.row(i);
     let braking = dampers.iter();
@@ -126,7 +126,7 @@ pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 
         let c = model.owner[i].filter(|_| found.is_none())?;
         let of = &series.contacts[c];
         let is_simple = of.mode == StepMode::Slip && !of.load_varies;
-        if !is_simple || model.contacts[c].law.dry_slip().is_none() {
+        if !is_simple || model.contacts[c].law.dry_slip(of.side).is_none() {
             return None;
         }
         found = Some([i, c]);

@@ -31,7 +31,8 @@ pub(in crate::structure) fn check_start(
                 continue;
             }
             let memory = &start.memory[model.memory(c)];
-            if let Some(limit) = contact.law.limit(&|j| memory[j]) {
+            let limits = contact.law.limits(&|j| memory[j]).into_iter().flatten();
+            for limit in limits.filter(|limit| *limit != f64::INFINITY) {
                 let allowed = "a memory at the start with which static_coefficient ≥ 0";
                 let is_allowed = limit >= 0.0;
                 Error::check(

@@ -110,18 +110,25 @@ impl<'s> ContactData<'s> {
         relative_velocity(self.direction.iter().map(|&(j, b)| b * v(j)), surface)
     }
 
+    /// Returns true if it slips in one direction only, with its first memory.
+    pub(super) fn is_one_way(&self) -> bool {
+        let limits = self.law.limits(&|_| 0.0);
+        limits.is_some_and(|limits| limits.contains(&f64::INFINITY))
+    }
+
     /// N at a time, negative if the contact is open.
     pub(crate) fn load_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
         load_at(self.load.value(time), &self.load_gradient, displacement)
     }
 
-    /// The kinetic coefficient at speed 0 for slip in a direction, and the static coefficient if it
-    /// would stick there, for the given memory; `None` if the contact never sticks.
+    /// The kinetic coefficient at speed 0 for slip in a direction, and the static coefficients
+    /// backward and forward if it would stick there, for the given memory; `None` if the contact
+    /// never sticks.
     pub(crate) fn coefficients_at_rest(
         &self,
         direction: Direction,
         memory: &[f64],
-    ) -> (f64, Option<f64>) {
+    ) -> (f64, Option<[f64; 2]>) {
         let slip = Slip {
             speed: 0.0,
             direction: direction.sign(),
@@ -130,7 +137,7 @@ impl<'s> ContactData<'s> {
         let kinetic = direction.sign() * self.law.coefficient(slip, &|j| memory[j]);
         let mut caught = memory.to_vec();
         self.law.caught(&mut caught);
-        (kinetic, self.law.limit(&|j| caught[j]))
+        (kinetic, self.law.limits(&|j| caught[j]))
     }
 
     /// The piece of its law just above a sliding speed.

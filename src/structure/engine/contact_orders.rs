@@ -3,6 +3,7 @@
 use super::contact::ContactData;
 use super::contact_series::{ContactSeries, StepMode, correction};
 use super::coordinate_series::CoordinateSeries;
+use super::limits::limit_force;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::MemoryOrder;
 use crate::scalar::mul_add;
@@ -98,16 +99,20 @@ impl ContactSeries {
         coefficient
     }
 
-    /// Coefficient k of the bound N μ_s in stick, and k + 1 of the memory.
+    /// Coefficient k of the bounds N μ_s in stick, and k + 1 of the memory.
     #[inline]
     pub(super) fn stick_order(&mut self, contact: &ContactData<'_>, k: usize) {
         if self.memories.is_empty() {
             // μ_s is a constant.
-            self.bound[k] = if k == 0 || self.load_varies {
-                self.load[k] * self.limit
-            } else {
-                0.0
-            };
+            for (bound, limit) in std::iter::zip(&mut self.bounds, self.limits) {
+                bound[k] = if k == 0 {
+                    limit_force(self.load[0], limit)
+                } else if self.load_varies && limit.is_finite() {
+                    self.load[k] * limit
+                } else {
+                    0.0
+                };
+            }
             return;
         }
         let mut memory = MemoryOrder {
@@ -115,12 +120,18 @@ impl ContactSeries {
             series: &self.memories,
             rates: &mut self.rates,
         };
-        self.limits[k] = contact.law.stick_order(&mut self.tape, k, &mut memory);
-        self.bound[k] = if self.load_varies {
-            (0..=k).map(|l| self.load[l] * self.limits[k - l]).sum()
-        } else {
-            self.load[0] * self.limits[k]
-        };
+        let limits = contact.law.stick_order(&mut self.tape, k, &mut memory);
+        let series = std::iter::zip(&mut self.bounds, &mut self.limit_series);
+        for ((bound, series), limit) in series.zip(limits) {
+            series[k] = limit;
+            bound[k] = if series[0] == f64::INFINITY {
+                limit_force(self.load[k], limit)
+            } else if self.load_varies {
+                (0..=k).map(|l| self.load[l] * series[k - l]).sum()
+            } else {
+                self.load[0] * limit
+            };
+        }
         self.set_memories(k);
     }
 

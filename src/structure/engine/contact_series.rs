@@ -2,8 +2,10 @@
 
 use super::contact::ContactData;
 use super::factor::ROUNDING;
+use super::limits::larger_finite;
 use crate::scalar::jet::Tape;
 use crate::series::PowerSeries;
+use crate::state::Direction;
 
 /// The mode of a contact in a step, for its series.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +26,8 @@ pub(super) struct ContactSeries {
     pub(super) piece: usize,
     /// dy/dt at the start, where it is known.
     pub(super) rate: Option<f64>,
-    /// μ_s at the start.
-    pub(super) limit: f64,
+    /// μ_s at the start, backward and forward.
+    pub(super) limits: [f64; 2],
     /// y.
     pub(super) speeds: PowerSeries,
     /// w.
@@ -37,8 +39,9 @@ pub(super) struct ContactSeries {
     pub(super) carried: PowerSeries,
     /// Bounds of its rounding errors, where the sign of the first nonzero coefficient decides.
     pub(super) carried_rounding: PowerSeries,
-    /// N μ_s; without terms beyond the first for a constant load and a law without memory.
-    pub(super) bound: PowerSeries,
+    /// N μ_s backward and forward; without terms beyond the first for a constant load and a law
+    /// without memory, and where it is infinite.
+    pub(super) bounds: [PowerSeries; 2],
     /// N.
     pub(super) load: PowerSeries,
     /// Its part that is given in time.
@@ -51,8 +54,8 @@ pub(super) struct ContactSeries {
     pub(super) friction: PowerSeries,
     /// Its derivative by the sliding speed, at the start of the step.
     pub(super) slope: f64,
-    /// μ_s, if the law has a memory.
-    pub(super) limits: PowerSeries,
+    /// μ_s backward and forward, if the law has a memory.
+    pub(super) limit_series: [PowerSeries; 2],
     pub(super) memories: Vec<PowerSeries>,
     /// One order of the rates of the memory.
     pub(super) rates: Vec<f64>,
@@ -72,20 +75,20 @@ impl ContactSeries {
             side: 1.0,
             piece: 0,
             rate: None,
-            limit: 0.0,
+            limits: [0.0; 2],
             speeds: PowerSeries::ZERO,
             guided: None,
             surface: PowerSeries::of(contact.belt_velocity.value(time)),
             carried: PowerSeries::ZERO,
             carried_rounding: PowerSeries::ZERO,
-            bound: PowerSeries::ZERO,
+            bounds: [PowerSeries::ZERO; 2],
             load,
             drive_load: load,
             load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
             free: 0.0,
             friction: PowerSeries::ZERO,
             slope: 0.0,
-            limits: PowerSeries::ZERO,
+            limit_series: [PowerSeries::ZERO; 2],
             memories: vec![PowerSeries::ZERO; count],
             rates: vec![0.0; count],
             relaxation: 0.0,
@@ -93,9 +96,25 @@ impl ContactSeries {
         }
     }
 
-    /// Bound of the rounding error of coefficient k of the distance from the edge of the band.
-    pub(super) fn rounding(&self, k: usize) -> f64 {
-        self.carried_rounding[k] + ROUNDING * self.bound[k].abs()
+    /// N μ_s against slip to a side.
+    pub(super) fn bound(&self, side: Direction) -> &PowerSeries {
+        &self.bounds[side.place()]
+    }
+
+    /// The larger bound at the start that is finite: the scale of the force in stick.
+    pub(super) fn largest_bound(&self) -> f64 {
+        larger_finite(self.bounds.each_ref().map(|bound| bound[0].abs()))
+    }
+
+    /// Returns true if both bounds at the start, and this force, are 0 to rounding.
+    pub(super) fn has_no_band(&self, carried: f64, rounding: f64) -> bool {
+        let bounds = self.bounds.iter().map(|bound| bound[0]);
+        bounds.fold(carried.abs(), f64::max) <= rounding
+    }
+
+    /// Bound of the rounding error of coefficient k of the distance from an edge of the band.
+    pub(super) fn rounding(&self, side: Direction, k: usize) -> f64 {
+        self.carried_rounding[k] + ROUNDING * self.bound(side)[k].abs()
     }
 
     /// Keeps the memory constant.

@@ -62,7 +62,7 @@ pub(super) fn is_accepted(
     // In stick a force is carried, not integrated.
     let held = |j: usize| {
         let owner = model.owner[j].filter(|&c| situation.contacts[c].sticks())?;
-        let scale = at_contacts[owner].bound[0].abs().max(plan.sizes[owner]);
+        let scale = at_contacts[owner].largest_bound().max(plan.sizes[owner]);
         Some(Allowance::new(plan.tolerance * scale, scale))
     };
     contacts
@@ -113,12 +113,16 @@ fn force_is_accepted(
         });
     }
     let mut coordinates = element.responses.iter().flatten().map(|&(j, _)| j);
+    let n = plan.coordinates.len();
     coordinates.all(|j| {
         let forces = || std::iter::zip(&element.responses, &of.defects);
         let defects = [QUARTERS, EXTREMA, BETWEEN].map(|kind| {
             let parts = forces().map(|(response, sums)| entry(response, j).abs() * sums[kind]);
             parts.sum::<f64>()
         });
+        if let Some(state) = j.checked_sub(n) {
+            return plan.states[state].accepts(defects, checks.h);
+        }
         match held(j) {
             Some(allowance) => allowance.accepts(defects, 1.0),
             None => plan.coordinates[j].accepts(defects, checks.h),
@@ -248,7 +252,7 @@ impl ContactStep<'_> {
         let slips = matches!(self.state.phase, Phase::Slip { .. });
         if self.series.memories.is_empty()
             || self.state.phase_is_open()
-            || slips && self.contact.law.dry_slip().is_some()
+            || slips && self.contact.law.dry_slip(self.series.side).is_some()
         {
             return true;
         }
@@ -310,13 +314,16 @@ impl ContactStep<'_> {
         let given = loads.map(|load| load / self.contact.compliance);
         let mut accepted = true;
         if self.state.sticks() {
-            let scale = series.bound[0].abs().max(self.size);
+            let scale = series.largest_bound().max(self.size);
             let allowance = Allowance::new(self.tolerance * scale, scale);
-            let bounds = series.bound.at_some(times);
+            let bounds = series.bounds.each_ref().map(|bound| bound.at_some(times));
             for i in 0..4 {
-                let limit = law.limit(&|j| series.memories[j].at(times[i]));
-                let missing = limit.map_or(0.0, |limit| (limit * loads[i] - bounds[i]).abs());
-                accepted &= allowance.accepts([missing; 3], 1.0);
+                let limits = law.limits(&|j| series.memories[j].at(times[i]));
+                let limits = std::iter::zip(limits.iter().flatten(), &bounds);
+                for (&limit, bounds) in limits.filter(|(limit, _)| **limit != f64::INFINITY) {
+                    let missing = (limit * loads[i] - bounds[i]).abs();
+                    accepted &= allowance.accepts([missing; 3], 1.0);
+                }
             }
         }
         for i in 0..4 {

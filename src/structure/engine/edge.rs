@@ -51,9 +51,9 @@ impl Edge {
         }
     }
 
-    /// N μ_s ∓ ℓ, with the zeros that are known.
+    /// N μ_s ∓ ℓ, with the zeros that are known; its first coefficient is infinite if N μ_s is.
     pub(super) fn distance(self, series: &ContactSeries, side: Direction) -> PowerSeries {
-        let (bound, carried) = (&series.bound, &series.carried);
+        let (bound, carried) = (series.bound(side), &series.carried);
         let distance = PowerSeries::from_fn(|k| bound[k] - side.sign() * carried[k]);
         self.with_zeros(distance, side)
     }
@@ -73,7 +73,7 @@ impl Edge {
     /// longer count.
     pub(super) fn leaving(series: &ContactSeries, side: Direction) -> (Self, f64) {
         let distance = Self::reached(Some(side)).distance(series, side);
-        leaving(&distance, series.bound[0], Some(side))
+        leaving(&distance, series.bound(side)[0], Some(side))
     }
 }
 
@@ -84,7 +84,7 @@ impl ContactSeries {
         let Edge::Along(side) = edge else {
             return false;
         };
-        let rounding = PowerSeries::from_fn(|k| self.rounding(k)).at(t);
+        let rounding = PowerSeries::from_fn(|k| self.rounding(side, k)).at(t);
         Edge::Away.distance(self, side).at(t).abs() <= rounding
     }
 }
@@ -133,8 +133,8 @@ pub(super) fn deciding(distance: &PowerSeries, bound: f64) -> Option<(usize, f64
 pub(super) fn deciding_distance(of: &ContactSeries, side: Direction) -> Option<(usize, f64)> {
     let distance = Edge::reached(Some(side)).distance(of, side);
     let distance = PowerSeries::from_fn(|k| {
-        let is_rounding = distance[k].abs() <= of.rounding(k);
+        let is_rounding = distance[k].abs() <= of.rounding(side, k);
         if is_rounding { 0.0 } else { distance[k] }
     });
-    deciding(&distance, of.bound[0])
+    deciding(&distance, of.bound(side)[0])
 }

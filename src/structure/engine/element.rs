@@ -1,18 +1,24 @@
 //! The constant data of a force element.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::contact::Entries;
 use crate::drive::Drive;
 use crate::force::object::{ForceObject, Place};
 
-/// The constant data of a force element.
+/// The constant data of a force element, or of a law in the rate of a first-order state.
+///
+/// In directions and responses, a number beyond those of the n coordinates is that of a first-order
+/// state, plus n: its value is a position, and its velocity counts as 0.
 #[derive(Clone)]
 pub(crate) struct ElementData<'s> {
     /// a_i.
-    pub(crate) directions: &'s [Vec<(usize, f64)>],
-    /// M⁻¹a_i.
+    pub(crate) directions: Cow<'s, [Vec<(usize, f64)>]>,
+    /// M⁻¹a_i; of a law in the rate of a state −1/T.
     pub(crate) responses: Vec<Vec<(usize, f64)>>,
+    /// The first-order state whose rate has the law, and 1/T.
+    pub(crate) rate_of: Option<(usize, f64)>,
     pub(crate) law: &'s dyn ForceObject,
     /// D.
     pub(crate) factor: Arc<Drive>,
@@ -22,13 +28,14 @@ pub(crate) struct ElementData<'s> {
 
 impl<'s> ElementData<'s> {
     pub(crate) fn new(
-        directions: &'s [Vec<(usize, f64)>],
+        directions: Cow<'s, [Vec<(usize, f64)>]>,
         law: &'s dyn ForceObject,
         factor: Arc<Drive>,
     ) -> Self {
         Self {
             directions,
             responses: Vec::new(),
+            rate_of: None,
             law,
             factor,
             breakpoints: law.breakpoints(),
@@ -92,7 +99,7 @@ impl<'s> ElementData<'s> {
 
 impl std::fmt::Debug for ElementData<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let data = (self.directions, &self.factor);
+        let data = (&self.directions, &self.factor);
         data.fmt(f)
     }
 }

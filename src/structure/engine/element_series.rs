@@ -84,16 +84,23 @@ impl ElementSeries {
     pub(super) fn order(
         &mut self,
         element: &ElementData<'_>,
-        coordinates: &[CoordinateSeries],
+        (coordinates, states): (&[CoordinateSeries], &[PowerSeries]),
         k: usize,
     ) {
         if k == 0 {
             self.factor_varies = !self.factor.is_constant();
         }
         let motion = |j: usize| &coordinates[j].motion;
+        let n = coordinates.len();
         for (i, direction) in element.directions.iter().enumerate() {
-            self.positions[i][k] = sum(direction, |j| motion(j).displacement(k));
-            self.velocities[i][k] = sum(direction, |j| motion(j).velocity(k));
+            self.positions[i][k] = sum(direction, |j| match j.checked_sub(n) {
+                None => motion(j).displacement(k),
+                Some(state) => states[state][k],
+            });
+            self.velocities[i][k] = sum(direction, |j| match j < n {
+                true => motion(j).velocity(k),
+                false => 0.0,
+            });
         }
         let Self {
             positions,

@@ -32,45 +32,54 @@ pub(super) fn revise_pieces(model: &Model<'_>, situation: &mut Situation, series
     changed
 }
 
-/// Order k of the forces of all elements on the coordinates.
+/// Order k of the forces of all elements on the coordinates, and of the laws of first-order states.
 pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
     let Series {
         coordinates,
         elements,
+        states,
+        laws,
         ..
     } = series;
+    laws.fill(0.0);
     for (element, of) in std::iter::zip(&model.elements, elements) {
-        of.order(element, coordinates, k);
+        of.order(element, (coordinates, states), k);
         if k == 0 {
             of.note_tangents(element);
         }
         for (i, response) in element.responses.iter().enumerate() {
             let force = of.product(i, k);
             for &(j, x) in response {
-                coordinates[j].force[k] -= x * force;
+                match j.checked_sub(coordinates.len()) {
+                    None => coordinates[j].force[k] -= x * force,
+                    Some(state) => laws[state] -= x * force,
+                }
             }
         }
     }
 }
 
 /// The fault of the first element whose force is no number, or has no series.
-pub(super) fn force_fault(series: &Series) -> Option<LawFault> {
+pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<LawFault> {
+    let rate_of = |element: usize| model.elements[element].rate_of.map(|(state, _)| state);
     let faults = series.elements.iter().enumerate().map(|(element, of)| {
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
         if let Some(force) = of.forces.iter().find(|force| !force[0].is_finite()) {
             let value = force[0];
-            return Some(LawFault::NonFiniteForce {
+            let fault = LawFault::NonFiniteForce {
                 element,
                 position,
                 velocity,
                 value,
-            });
+            };
+            return Some(fault.in_rate_of(rate_of(element)));
         }
         let motion = of.positions.iter().chain(&of.velocities);
         let has_no_series = of.forces.iter().any(|force| !force[1].is_finite());
+        let fault = LawFault::NotAnalyticForce { element, position };
         (has_no_series && motion.into_iter().all(is_given))
-            .then_some(LawFault::NotAnalyticForce { element, position })
+            .then(|| fault.in_rate_of(rate_of(element)))
     });
     faults.flatten().next()
 }
@@ -116,7 +125,7 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
         });
         let value = force[0];
         let grows = towards.iter().any(|near| *near > 2.0 * value.abs());
-        Some(if grows {
+        let fault = if grows {
             LawFault::NonFiniteForce {
                 element,
                 position,
@@ -125,7 +134,8 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
             }
         } else {
             LawFault::NotAnalyticForce { element, position }
-        })
+        };
+        Some(fault.in_rate_of(data.rate_of.map(|(state, _)| state)))
     });
     faults.next()
 }

@@ -8,6 +8,7 @@ use super::passages::{Passage, first_passage};
 use super::plan::Plan;
 use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};
+use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{EventDistance, PowerSeries, TooCurved};
 use crate::state::Direction;
@@ -128,8 +129,10 @@ fn load_firing(
 
 /// Returns true if the force in a sticking contact surely stays within its limits.
 fn stays_inside(state: &ContactState, series: &ContactSeries, h: f64) -> bool {
-    let is_away = state.edge == Edge::Away && series.bound.is_constant();
-    is_away && series.carried.stays_within(series.bound[0], h)
+    let [backward, forward] = &series.bounds;
+    let is_constant = backward.is_constant() && forward.is_constant();
+    let least = backward[0].min(forward[0]);
+    state.edge == Edge::Away && is_constant && series.carried.stays_within(least, h)
 }
 
 /// The first of the two distances from its bounds that reaches 0.
@@ -178,12 +181,15 @@ fn speed_firing(
     Ok(first(&distance, h, Firing::Breakpoint(piece, true))?.or(low))
 }
 
-/// The first time at which a distance is 0.
+/// The first time at which a distance is 0; an infinite one never is.
 fn first(
     distance: &PowerSeries,
     h: f64,
     firing: Firing,
 ) -> Result<Option<(f64, Firing)>, TooCurved> {
+    if distance[0] == f64::INFINITY {
+        return Ok(None);
+    }
     let Some(positive) = EventDistance::new(distance) else {
         return Ok(None);
     };
@@ -287,7 +293,7 @@ pub(super) fn events_between(
     let mut events = Vec::with_capacity(kinds.clone().count());
     events.extend(kinds.map(|(contact, kind)| Event {
         time: situation.clock.time,
-        contact,
+        element: Element::Contact(contact),
         kind,
         state: state.clone(),
     }));

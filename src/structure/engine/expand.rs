@@ -34,6 +34,10 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
                 contact.drive_load = contact.load;
             }
             Target::Factor(e) => series.elements[e].factor = model.drive(target).series(clock),
+            Target::Rate(state) => {
+                let scale = model.first_order[state].scale;
+                series.inputs[state] = model.drive(target).series(clock).scaled(scale);
+            }
         }
     }
     if !forces_vary {
@@ -68,8 +72,8 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// near masses only, a group of masses is therefore expanded to the last order before the next
 /// group begins, so that the data of a group stay in the processor's cache. In each order the
 /// group is shifted to masses whose neighbours are complete. Contacts that share coordinates, and
-/// springs of contacts and force elements, couple all masses: each order is then computed for all
-/// masses at once.
+/// springs of contacts, force elements and first-order states, couple all masses: each order is
+/// then computed for all masses at once.
 ///
 /// Simple cases are computed by faster code, with the same result to rounding: `alone.rs` computes
 /// a single coordinate that slips while all others are held, `groups.rs` several coordinates.
@@ -86,8 +90,8 @@ pub(super) fn expand(
     if orders < ALL {
         // Orders that are not computed now must not keep the values of the step before.
         for of in &mut series.contacts {
-            (of.speeds, of.carried, of.bound) =
-                (PowerSeries::ZERO, PowerSeries::ZERO, PowerSeries::ZERO);
+            (of.speeds, of.carried) = (PowerSeries::ZERO, PowerSeries::ZERO);
+            of.bounds = [PowerSeries::ZERO; 2];
             if of.load_varies {
                 of.load = PowerSeries::ZERO;
             }
@@ -95,7 +99,7 @@ pub(super) fn expand(
     }
     start(model, situation, series);
     all_orders(model, situation, series, 0..orders);
-    law_fault(situation, series).map_or(Ok(()), Err)
+    law_fault(model, situation, series).map_or(Ok(()), Err)
 }
 
 /// Computes the remaining orders, after [`expand`] has computed the first.
@@ -110,8 +114,10 @@ pub(super) fn expand_further(
 
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
-    let are_apart =
-        model.shared.is_empty() && model.springs.is_empty() && model.elements.is_empty();
+    let are_apart = model.shared.is_empty()
+        && model.springs.is_empty()
+        && model.elements.is_empty()
+        && model.first_order.is_empty();
     if are_apart
         && orders.end == ALL
         && let Some([i, c]) = slips_alone(model, series)
@@ -260,7 +266,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
 /// Number of masses of a long chain in a group.
 const AT_A_TIME: usize = 16;
 
-fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
+fn law_fault(model: &Model<'_>, situation: &Situation, series: &Series) -> Option<LawFault> {
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
     let of_friction = contacts.into_iter().find_map(|(state, series)| {
         // The law gives the memory after an event.
@@ -280,7 +286,7 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
             None
         }
     });
-    of_friction.or_else(|| force_fault(series))
+    of_friction.or_else(|| force_fault(model, series))
 }
 
 /// Order 0 of the unknowns, and the mode of every contact.
@@ -294,13 +300,13 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
             // These series are not computed again.
             coordinate.motion = DisplacementSeries::ZERO;
             let of = &mut series.contacts[c];
-            (of.speeds, of.bound) = (PowerSeries::ZERO, PowerSeries::ZERO);
+            (of.speeds, of.bounds) = (PowerSeries::ZERO, [PowerSeries::ZERO; 2]);
         }
         coordinate.role = role;
         coordinate.motion.start(displacement, velocity);
     }
     for (of, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
-        (of.rate, of.limit) = (None, state.static_coefficient());
+        (of.rate, of.limits) = (None, state.limits.unwrap_or([0.0; 2]));
         (of.mode, of.side, of.speeds[0]) = match state.phase {
             Phase::Open => (StepMode::Open, 1.0, 0.0),
             Phase::Stick { .. } => (StepMode::Stick, 0.0, 0.0),
@@ -322,6 +328,9 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     }
     for (of, state) in std::iter::zip(&mut series.elements, &situation.elements) {
         of.piece = state.piece;
+    }
+    for (of, value) in std::iter::zip(&mut series.states, &situation.states) {
+        of[0] = *value;
     }
     for &c in &model.springs {
         series.contacts[c].guided = None;

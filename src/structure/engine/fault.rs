@@ -23,9 +23,39 @@ pub(super) enum LawFault {
         element: usize,
         position: f64,
     },
+    /// Of the law of a first-order state.
+    NonFiniteRate {
+        state: usize,
+        position: f64,
+        value: f64,
+    },
+    NotAnalyticRate {
+        state: usize,
+        position: f64,
+    },
 }
 
 impl LawFault {
+    /// The fault of the law of a first-order state, if the element's law is one.
+    pub(super) fn in_rate_of(self, state: Option<usize>) -> Self {
+        match (state, self) {
+            (
+                Some(state),
+                Self::NonFiniteForce {
+                    position, value, ..
+                },
+            ) => Self::NonFiniteRate {
+                state,
+                position,
+                value,
+            },
+            (Some(state), Self::NotAnalyticForce { position, .. }) => {
+                Self::NotAnalyticRate { state, position }
+            }
+            (_, fault) => fault,
+        }
+    }
+
     /// The error for this fault.
     pub(super) fn at(self, reached: Reached) -> Error {
         match self {
@@ -52,6 +82,21 @@ impl LawFault {
             },
             Self::NotAnalyticForce { element, position } => Error::NotAnalyticForce {
                 element,
+                position,
+                reached,
+            },
+            Self::NonFiniteRate {
+                state,
+                position,
+                value,
+            } => Error::NonFiniteRate {
+                state,
+                position,
+                value,
+                reached,
+            },
+            Self::NotAnalyticRate { state, position } => Error::NotAnalyticRate {
+                state,
                 position,
                 reached,
             },

@@ -2,6 +2,7 @@
 
 use super::contact::{ContactData, Site};
 use super::factor::Holding;
+use super::limits::limit_force;
 use super::mechanisms::Resting;
 use super::model::Model;
 use crate::clock::Clock;
@@ -110,7 +111,14 @@ impl<'a, 's> Forces<'a, 's> {
             driven + model.restoring(i, [q[i], v[i]], |j| q[j], |j| v[j])
         });
         let mut accelerations: Vec<f64> = free.collect();
-        let elements = model.elements.iter().map(|element| {
+        let states = std::iter::zip(&model.first_order, 0..);
+        for (data, number) in states {
+            let value = model.position(&state, model.len() + number);
+            for &(j, x) in &data.responses {
+                accelerations[j] += x * value;
+            }
+        }
+        let elements = model.force_elements().iter().map(|element| {
             let factor = drive(&element.factor);
             let forces = element.forces(|j| q[j], |j| v[j]);
             for (force, response) in std::iter::zip(&forces, &element.responses) {
@@ -191,13 +199,15 @@ impl<'a, 's> Forces<'a, 's> {
     /// Shares the forces that contacts with dependent directions carry together.
     fn share(&self, state: &State, contacts: &mut [AtContact]) {
         let root = |c: usize| self.model.contacts[c].compliance.sqrt();
-        let bound = |c: usize| {
+        let bounds = |c: usize| {
             let memory = &state.memory[self.model.memory(c)];
-            let limit = self.model.contacts[c].law.limit(&|j| memory[j]);
-            contacts[c].load.max(0.0) * limit.unwrap_or(0.0) * root(c)
+            let limits = self.model.contacts[c].law.limits(&|j| memory[j]);
+            let load = contacts[c].load.max(0.0);
+            let bounds = limits.unwrap_or([0.0; 2]);
+            bounds.map(|limit| limit_force(load, limit) * root(c))
         };
         let force = |c: usize| contacts[c].carried * root(c);
-        for (c, share) in self.resting.shares(force, bound) {
+        for (c, share) in self.resting.shares(force, bounds) {
             contacts[c].carried = share / root(c);
         }
     }

@@ -16,8 +16,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::edge::{Edge, deciding};
+use super::edge::{Edge, deciding, side_of};
 use super::factor::{Holding, ROUNDING};
+use super::limits::larger_finite;
 use super::model::Model;
 use super::series::Series;
 use crate::series::{PowerSeries, TERMS};
@@ -60,11 +61,15 @@ pub(super) struct TooMany {
 
 impl Model<'_> {
     /// The base and the riders of shared contacts at rest, given in the order of
-    /// [`shared`](Self::shared).
-    pub(crate) fn resting(&self, contacts: Vec<usize>) -> Resting {
+    /// [`shared`](Self::shared). Contacts that slip in one direction only are riders of each other
+    /// only.
+    pub(crate) fn resting(&self, mut contacts: Vec<usize>) -> Resting {
         let holding = match self.factor(&contacts) {
             Ok(factor) => return Resting::independent(Holding { contacts, factor }),
-            Err(_) => self.independent(contacts.clone(), &|_| 0.0),
+            Err(_) => {
+                contacts.sort_by_key(|&c| !self.contacts[c].is_one_way());
+                self.independent(contacts.clone(), &|_| 0.0)
+            }
         };
         let mut set = holding.contacts.iter().peekable();
         let is_rider = |c: &usize| set.next_if_eq(&c).is_none();
@@ -145,13 +150,13 @@ impl Resting {
     pub(crate) fn shares(
         &self,
         force: impl Fn(usize) -> f64,
-        bound: impl Fn(usize) -> f64,
+        bounds: impl Fn(usize) -> [f64; 2],
     ) -> Vec<(usize, f64)> {
         let groups = self.groups.iter();
         let shares = groups.flat_map(|group| {
             let base = group.contacts.iter().take(group.rows.ncols());
             let forces = DVector::from_iterator(group.rows.ncols(), base.map(|&c| force(c)));
-            let bounds: Vec<f64> = group.contacts.iter().map(|&c| bound(c)).collect();
+            let bounds: Vec<[f64; 2]> = group.contacts.iter().map(|&c| bounds(c)).collect();
             std::iter::zip(
                 group.contacts.iter().copied(),
                 group.shares(&forces, &bounds),
@@ -216,35 +221,57 @@ impl Group {
     }
 
     /// λ_c = B_c clamp(B_c s_c(u)), with the u that minimises Σ H(B_c s_c(u)) − F·u, H' = clamp:
-    /// Newton's method on a convex function whose second derivative is piecewise constant.
-    fn shares(&self, forces: &DVector<f64>, bounds: &[f64]) -> Vec<f64> {
+    /// Newton's method on a convex function whose second derivative is piecewise constant. B_c is
+    /// the bound on the side of s_c.
+    fn shares(&self, forces: &DVector<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
         const MOST_ROUNDS: usize = 100;
+        /// What carries a share without a bound carries so much more than the others.
+        const UNBOUNDED: f64 = 1e4;
         let rank = self.rows.ncols();
-        let bounds = DVector::from_column_slice(bounds);
-        let largest = bounds.amax();
+        let finite = bounds.iter().map(|&bounds| larger_finite(bounds));
+        let largest = finite.fold(forces.amax(), f64::max);
         if largest == 0.0 || !largest.is_finite() {
             return vec![0.0; bounds.len()];
         }
-        let unit = &bounds / largest;
+        let unit = |bound: f64| {
+            if bound.is_finite() {
+                bound / largest
+            } else {
+                UNBOUNDED
+            }
+        };
+        let units: Vec<[f64; 2]> = bounds.iter().map(|bounds| bounds.map(unit)).collect();
         let goal = forces / largest;
-        let mut scaled = self.rows.clone();
-        for (mut row, bound) in scaled.row_iter_mut().zip(&unit) {
-            row *= *bound;
-        }
-        let carried = |u: &DVector<f64>| (&scaled * u).map(|s| s.clamp(-1.0, 1.0));
-        let residual = |u: &DVector<f64>| &goal - scaled.transpose() * carried(u);
+        let of_side = |row: usize, s: f64| units[row][side_of(s).place()];
+        // λ_c, and its slope by s_c.
+        let share = |row: usize, s: f64| {
+            let unit = of_side(row, s);
+            let scaled = unit * s;
+            let slope = if scaled.abs() <= 1.0 {
+                unit * unit
+            } else {
+                0.0
+            };
+            [unit * scaled.clamp(-1.0, 1.0), slope]
+        };
+        let carried = |u: &DVector<f64>| {
+            let mut slips = &self.rows * u;
+            for (row, s) in slips.iter_mut().enumerate() {
+                *s = share(row, *s)[0];
+            }
+            slips
+        };
+        let residual = |u: &DVector<f64>| &goal - self.rows.transpose() * carried(u);
         let mut u = DVector::zeros(rank);
         let mut rest = residual(&u);
         for _ in 0..MOST_ROUNDS {
             if rest.amax() <= ROUNDING * goal.amax() {
                 break;
             }
-            let slopes = &scaled * &u;
+            let slips = &self.rows * &u;
             let mut second = DMatrix::identity(rank, rank) * 1e-12;
-            for (row, slope) in scaled.row_iter().zip(&slopes) {
-                if slope.abs() <= 1.0 {
-                    second += row.transpose() * row;
-                }
+            for (i, row) in self.rows.row_iter().enumerate() {
+                second += row.transpose() * row * share(i, slips[i])[1];
             }
             let Some(direction) = second.cholesky().map(|factor| factor.solve(&rest)) else {
                 break;
@@ -271,7 +298,7 @@ impl Group {
             }
             (u, rest) = (next, left);
         }
-        let mut shares = carried(&u).component_mul(&unit);
+        let mut shares = carried(&u);
         // Balance to rounding: the base takes up what is left.
         for (share, rest) in shares.iter_mut().zip(&rest) {
             *share += rest;
@@ -324,7 +351,8 @@ fn null_vector(rows: &DMatrix<f64>) -> Option<DVector<f64>> {
 }
 
 impl Mechanism {
-    /// Σ B_c |s_c| ∓ Σ λ_c s_c, with the zeros that are known.
+    /// Σ B_c |s_c| ∓ Σ λ_c s_c, with the zeros that are known; its first coefficient is infinite if
+    /// a bound is.
     pub(super) fn distance(
         &self,
         model: &Model<'_>,
@@ -337,17 +365,17 @@ impl Mechanism {
                 &series.contacts[c],
                 part / model.contacts[c].compliance.sqrt(),
             );
-            distance.add(part.abs(), &of.bound);
+            distance.add(part.abs(), of.bound(Self::slips(part, side)));
             distance.add(-side.sign() * part, &of.carried);
         }
         self.edge.with_zeros(distance, side)
     }
 
     /// Bound of the rounding error of coefficient k of a distance.
-    fn rounding(&self, model: &Model<'_>, series: &Series, k: usize) -> f64 {
+    fn rounding(&self, model: &Model<'_>, series: &Series, side: Direction, k: usize) -> f64 {
         let parts = self.parts.iter().map(|&(c, part)| {
             let root = model.contacts[c].compliance.sqrt();
-            part.abs() / root * series.contacts[c].rounding(k)
+            part.abs() / root * series.contacts[c].rounding(Self::slips(part, side), k)
         });
         parts.sum()
     }
@@ -362,10 +390,10 @@ impl Mechanism {
     ) -> Option<(usize, f64)> {
         let distance = self.distance(model, series, side);
         let distance = PowerSeries::from_fn(|k| {
-            let is_rounding = k == 0 || distance[k].abs() <= self.rounding(model, series, k);
+            let is_rounding = k == 0 || distance[k].abs() <= self.rounding(model, series, side, k);
             if is_rounding { 0.0 } else { distance[k] }
         });
-        deciding(&distance, self.bound(model, series))
+        deciding(&distance, self.bound(model, series, side))
     }
 
     /// Returns true if it stays on its bound up to a time t after the start of the step, within
@@ -378,15 +406,15 @@ impl Mechanism {
             parts: self.parts.clone(),
             edge: Edge::Away,
         };
-        let rounding = PowerSeries::from_fn(|k| self.rounding(model, series, k)).at(t);
+        let rounding = PowerSeries::from_fn(|k| self.rounding(model, series, side, k)).at(t);
         free.distance(model, series, side).at(t).abs() <= rounding
     }
 
     /// Σ B_c |s_c| at the start of the step.
-    fn bound(&self, model: &Model<'_>, series: &Series) -> f64 {
+    pub(super) fn bound(&self, model: &Model<'_>, series: &Series, side: Direction) -> f64 {
         let parts = self.parts.iter().map(|&(c, part)| {
             let root = model.contacts[c].compliance.sqrt();
-            part.abs() / root * series.contacts[c].bound[0]
+            part.abs() / root * series.contacts[c].bound(Self::slips(part, side))[0]
         });
         parts.sum()
     }
@@ -410,14 +438,22 @@ impl Mechanism {
     pub(super) fn ranges(
         &self,
         force: impl Fn(usize) -> f64,
-        bound: impl Fn(usize) -> f64,
+        bounds: impl Fn(usize) -> [f64; 2],
     ) -> impl Iterator<Item = (usize, [f64; 2])> {
         let power: f64 = self.parts.iter().map(|&(c, part)| part * force(c)).sum();
         self.parts.iter().map(move |&(c, part)| {
-            let others = self.parts.iter().filter(move |&&(d, _)| d != c);
-            let others: f64 = others.map(|&(d, part)| part.abs() * bound(d)).sum();
-            let [center, width] = [power / part, others / part.abs()];
-            (c, [center - width, center + width])
+            // What the others carry at most, if they and this one slip to a side.
+            let others = |side: Direction| {
+                let others = self.parts.iter().filter(|&&(d, _)| d != c);
+                let carried = others.map(|&(d, other)| {
+                    let side = Self::slips(other * part.signum(), side);
+                    other.abs() * bounds(d)[side.place()]
+                });
+                carried.sum::<f64>() / part.abs()
+            };
+            let center = power / part;
+            let [below, above] = [Direction::Leading, Direction::Lagging].map(others);
+            (c, [center - below, center + above])
         })
     }
 }

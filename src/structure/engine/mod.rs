@@ -22,6 +22,7 @@
 //! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
 //! | `springs.rs` | elastic contacts, and normal springs |
 //! | `elements.rs`, `passages.rs` | force elements; where pieces of their laws meet |
+//! | `first_order.rs`, `first_orders.rs` | first-order states: their data, and their orders |
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
@@ -49,8 +50,11 @@ mod events;
 mod expand;
 pub(crate) mod factor;
 mod fault;
+pub(crate) mod first_order;
+mod first_orders;
 mod groups;
 pub(crate) mod instant;
+pub(super) mod limits;
 mod mechanisms;
 pub(crate) mod model;
 pub(crate) mod modes;
@@ -77,6 +81,7 @@ use edge::{Edge, side_of};
 use elements::singular_force;
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
+use limits::larger_finite;
 use mechanisms::Mechanism;
 use model::Model;
 use modes::{At, Modes};
@@ -140,7 +145,13 @@ impl<'s> Engine<'s> {
             ..
         } = &mut engine;
         for c in 0..model.contacts.len() {
-            close(model, situation, series, c);
+            let contact = &model.contacts[c];
+            let displacement = |j: usize| situation.coordinates[j].displacement;
+            // One that slips in one direction only has no force without a load: it is open, and
+            // closes if the load rises.
+            if !contact.is_one_way() || contact.load_at(clock.time, displacement) > 0.0 {
+                close(model, situation, series, c)?;
+            }
         }
         expand_drives(model, situation, series);
         let state = situation.state(model, series);
@@ -150,10 +161,12 @@ impl<'s> Engine<'s> {
         // release.
         let mut events = events_between(&before.modes, situation, &state);
         events.retain(|event| {
-            let edge = situation.contacts[event.contact].edge;
             let is_release = matches!(event.kind, EventKind::Release(_));
             // The force of an elastic contact at the start determines whether its slider moves.
-            is_release && edge != Edge::Away && !model.contacts[event.contact].is_elastic()
+            let is_at_edge = |c: usize| {
+                situation.contacts[c].edge != Edge::Away && !model.contacts[c].is_elastic()
+            };
+            is_release && event.contact().is_some_and(is_at_edge)
         });
         engine.modes = Arc::new(Modes::of(model, situation));
         let first = (!events.is_empty()).then(|| {
@@ -335,13 +348,13 @@ impl<'s> Engine<'s> {
 
     /// Data about the events for the tangent flow.
     fn after(&self, events: &[Event<State>], triggers: Vec<Trigger>) -> EventData {
-        let is_shared = |event: &Event<State>| self.model.is_shared(event.contact);
         let is_forced = |event: &Event<State>| {
+            let contact = event.contact()?;
             let is_release = matches!(event.kind, EventKind::Release(_));
-            let is_own = self.model.owner_of(event.contact).is_some();
-            is_release && is_own && self.situation.contacts[event.contact].edge == Edge::Away
+            let is_own = self.model.owner_of(contact).is_some();
+            let is_forced = self.situation.contacts[contact].edge == Edge::Away;
+            (is_release && is_own && is_forced).then_some(contact)
         };
-        let forced = events.iter().filter(|event| is_forced(event));
         let limited = self.model.springs.iter().filter_map(|&c| {
             let state = &self.situation.contacts[c];
             match state.phase {
@@ -351,20 +364,21 @@ impl<'s> Engine<'s> {
                 _ => None,
             }
         });
-        let rates = if events.iter().any(is_shared) {
+        let mut contacts = events.iter().filter_map(Event::contact);
+        let rates = if contacts.any(|contact| self.model.is_shared(contact)) {
             self.acceleration()
         } else {
             Vec::new()
         };
         EventData {
-            forced: forced.map(|event| event.contact).collect(),
+            forced: events.iter().filter_map(is_forced).collect(),
             rates,
             triggers,
             limited: limited.collect(),
         }
     }
 
-    /// The state, with the memory of the contacts.
+    /// The state, with the memory of the contacts and the first-order states.
     pub(super) fn state(&self) -> State {
         self.situation.state(&self.model, &self.series)
     }
@@ -397,15 +411,18 @@ impl<'s> Engine<'s> {
         let sticks = sticks.filter(|&c| situation.contacts[c].sticks());
         let root = |c: usize| model.contacts[c].compliance.sqrt();
         let force = |c: usize| series.contacts[c].carried[0] / root(c);
-        let bound = |c: usize| series.contacts[c].bound[0] / root(c);
-        for (c, force) in model.resting(sticks.collect()).shares(force, bound) {
-            let most = bound(c);
-            let [least, most] = [-most, most].map(|bound| bound / root(c));
+        let bounds = |c: usize| {
+            let bounds = series.contacts[c].bounds.each_ref();
+            bounds.map(|bound| bound[0] / root(c))
+        };
+        for (c, force) in model.resting(sticks.collect()).shares(force, bounds) {
+            let [backward, forward] = bounds(c);
+            let [least, most] = [-backward, forward].map(|bound| bound / root(c));
             let force = force / root(c);
             all[c] = Carried { force, least, most };
         }
         for mechanism in &situation.mechanisms {
-            for (c, range) in mechanism.ranges(force, bound) {
+            for (c, range) in mechanism.ranges(force, bounds) {
                 let [least, most] = range.map(|bound| bound / root(c));
                 all[c].restrict(least, most);
             }
@@ -421,7 +438,7 @@ impl<'s> Engine<'s> {
             .collect()
     }
 
-    /// Series of all velocities, then of the memory.
+    /// Series of all velocities, then of the memory and of first-order states.
     fn emitted(&self) -> Vec<PowerSeries> {
         let mut series = Vec::with_capacity(self.model.len() + self.model.remembered());
         let coordinates = self.series.coordinates.iter();
@@ -429,6 +446,7 @@ impl<'s> Engine<'s> {
         if self.model.remembered() > 0 {
             let contacts = self.series.contacts.iter();
             series.extend(contacts.flat_map(|contact| &contact.memories));
+            series.extend(&self.series.states);
         }
         series
     }
@@ -457,7 +475,10 @@ impl<'s> Engine<'s> {
                         let value = contact.law.coefficient(slip, at) * slip.direction;
                         (Motion::Slip(slip), value)
                     }
-                    None => (Motion::Stick, contact.law.limit(at).unwrap_or(0.0)),
+                    None => {
+                        let limits = contact.law.limits(at).unwrap_or([0.0; 2]);
+                        (Motion::Stick, larger_finite(limits))
+                    }
                 };
                 let mut numbers = vec![value];
                 let take = &mut |_, rate| numbers.push(rate);

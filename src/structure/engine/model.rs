@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 
 use super::contact::{ContactData, Entries, Site, entry};
 use super::element::ElementData;
+use super::first_order::{FirstOrderData, fastest_loop, find_acting};
 use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;
 use crate::clock::Clock;
@@ -15,11 +16,13 @@ use crate::drive::Drive;
 use crate::friction::FrictionLaw;
 use crate::motion::Mode;
 use crate::numerics::sort::sort_by;
+use crate::state::structure::State;
 
 /// The data that are constant in a motion.
 ///
 /// ```text
-/// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_e D_e M⁻¹a_e F_e − Σ_c x_c ℓ_c
+/// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_e D_e M⁻¹a_e F_e − Σ_c x_c ℓ_c + M⁻¹B z
+/// z' = A_q q + A_v v + A_z z + u(t) + F
 /// x_c = M⁻¹b_c/G_cc,  ℓ_c = G_cc λ_c
 /// ```
 ///
@@ -39,9 +42,11 @@ pub(crate) struct Model<'s> {
     pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
+    /// Force elements, then the laws in the rates of first-order states.
     pub(crate) elements: Vec<ElementData<'s>>,
+    pub(crate) first_order: Vec<FirstOrderData>,
     /// Number of memory variables of all contacts.
-    remembered: usize,
+    of_contacts: usize,
     /// The number of the contact that a coordinate has to itself.
     pub(crate) owner: Vec<Option<usize>>,
     /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that coupled
@@ -51,7 +56,8 @@ pub(crate) struct Model<'s> {
     pub(crate) shared_coordinates: Vec<usize>,
     /// Contacts with a spring: elastic ones, and those with a normal spring.
     pub(super) springs: Vec<usize>,
-    /// The coordinates that these springs, and force elements, accelerate, ascending.
+    /// The coordinates that these springs, force elements and first-order states accelerate,
+    /// ascending.
     pub(super) sprung: Vec<usize>,
     /// The targets of the drives that vary.
     pub(super) varying: Vec<Target>,
@@ -61,9 +67,11 @@ pub(crate) struct Model<'s> {
     pub(super) bandwidth: usize,
     /// 1/√(max_i Σ_j |M⁻¹K|_ij): no free vibration without friction is faster than one radian in
     /// this time. Without springs it is computed from the dampers; without dampers it is infinite.
-    /// Springs of contacts and force elements are not included: see
-    /// [`time_unit_with`](Self::time_unit_with).
+    /// No loop of first-order states is faster either. Springs of contacts and force elements are
+    /// not included: see [`time_unit_with`](Self::time_unit_with).
     pub(super) time_unit: f64,
+    /// The rate of the fastest loop of first-order states; 0 if there are none.
+    loop_rate: f64,
     /// The time in which the fastest drive advances by one radian; infinite without harmonics.
     pub(super) drive_unit: f64,
     /// The drives with functions of users.
@@ -88,6 +96,8 @@ pub(super) enum Target {
     Load(usize),
     /// The factor of a force element.
     Factor(usize),
+    /// The rate of a first-order state.
+    Rate(usize),
 }
 
 impl<'s> Model<'s> {
@@ -105,17 +115,17 @@ impl<'s> Model<'s> {
             [&one(1.0), &one(2.0 * belt.damping())],
             Cow::Owned(vec![Drive::constant(0.0)]),
             vec![contact],
-            Vec::new(),
+            (Vec::new(), Vec::new()),
         )
     }
 
-    /// The model with these M, K and C.
+    /// The model with these M, K and C, force elements and first-order states.
     pub(crate) fn new(
         mass: Mass<'_>,
         [stiffness, damping]: [&DMatrix<f64>; 2],
         forces: Cow<'s, [Drive]>,
         contacts: Vec<ContactData<'s>>,
-        elements: Vec<ElementData<'s>>,
+        (elements, first_order): (Vec<ElementData<'s>>, Vec<FirstOrderData>),
     ) -> Self {
         let n = stiffness.nrows();
         let inverse_mass = match mass {
@@ -133,7 +143,8 @@ impl<'s> Model<'s> {
             forces,
             contacts,
             elements,
-            remembered: 0,
+            first_order,
+            of_contacts: 0,
             owner: vec![None; n],
             shared: Vec::new(),
             shared_coordinates: Vec::new(),
@@ -143,10 +154,12 @@ impl<'s> Model<'s> {
             is_driven: vec![false; n],
             bandwidth: 0,
             time_unit: f64::INFINITY,
+            loop_rate: 0.0,
             drive_unit: f64::INFINITY,
             functions: Vec::new(),
         };
         model.place_contacts();
+        model.place_states();
         model.place_springs();
         model.place_drives();
         model.bandwidth = model.largest_distance();
@@ -156,7 +169,7 @@ impl<'s> Model<'s> {
         } else {
             largest(row_sums(&model.damping))
         };
-        model.time_unit = rate.recip();
+        model.time_unit = rate.max(model.loop_rate).recip();
         model
     }
 
@@ -165,9 +178,9 @@ impl<'s> Model<'s> {
         let n = self.len();
         let mut uses = vec![0; n];
         for contact in &mut self.contacts {
-            let first = self.remembered;
-            self.remembered += contact.remembered();
-            contact.memory = first..self.remembered;
+            let first = self.of_contacts;
+            self.of_contacts += contact.remembered();
+            contact.memory = first..self.of_contacts;
             for &(j, _) in contact.direction.iter() {
                 uses[j] += usize::from(!contact.is_elastic());
             }
@@ -221,7 +234,28 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// Finds which coordinates the springs of contacts and force elements act on.
+    /// Finds on what first-order states act, and how fast they are.
+    fn place_states(&mut self) {
+        let n = self.len();
+        for state in &mut self.first_order {
+            state.responses = responses_to(&self.inverse_mass, &state.forces);
+        }
+        let mut read = vec![false; self.first_order.len()];
+        let directions = self
+            .elements
+            .iter()
+            .flat_map(|element| &*element.directions);
+        for &(j, _) in directions.flatten() {
+            if let Some(state) = j.checked_sub(n) {
+                read[state] = true;
+            }
+        }
+        find_acting(&mut self.first_order, &read);
+        self.loop_rate = fastest_loop(&self.first_order);
+    }
+
+    /// Finds which coordinates the springs of contacts, force elements and first-order states act
+    /// on.
     fn place_springs(&mut self) {
         let contacts = self.contacts.iter().enumerate();
         let with_spring =
@@ -238,12 +272,18 @@ impl<'s> Model<'s> {
         };
         self.sprung = self.springs.iter().flat_map(of).collect();
         for element in &mut self.elements {
+            if let Some((state, scale)) = element.rate_of {
+                element.responses = vec![vec![(self.owner.len() + state, -scale)]];
+                continue;
+            }
             let directions = element.directions.iter();
             let responses = directions.map(|a| responses_to(&self.inverse_mass, a));
             element.responses = responses.collect();
             let pulled = element.responses.iter().flatten();
             self.sprung.extend(pulled.map(|&(j, _)| j));
         }
+        let pushed = self.first_order.iter().flat_map(|state| &state.responses);
+        self.sprung.extend(pushed.map(|&(j, _)| j));
         self.sprung.sort_unstable();
         self.sprung.dedup();
     }
@@ -256,10 +296,11 @@ impl<'s> Model<'s> {
         mode: impl Fn(usize) -> Mode,
         tangents: impl Fn(usize) -> &'t [Vec<f64>],
     ) -> f64 {
-        if self.sprung.is_empty() {
+        if self.sprung.is_empty() && self.elements.is_empty() {
             return self.time_unit;
         }
         let mut sums: Vec<f64> = row_sums(&self.stiffness).collect();
+        let mut fastest = self.loop_rate;
         for &c in &self.springs {
             let contact = &self.contacts[c];
             let mut add = |response: &Entries, stiffness: f64| {
@@ -277,7 +318,7 @@ impl<'s> Model<'s> {
         }
         for (e, element) in self.elements.iter().enumerate() {
             let factor = element.factor.size();
-            for (direction, slopes) in std::iter::zip(element.directions, tangents(e)) {
+            for (direction, slopes) in std::iter::zip(&*element.directions, tangents(e)) {
                 let size = factor * direction.iter().map(|(_, a)| a.abs()).sum::<f64>();
                 for (response, slope) in std::iter::zip(&element.responses, slopes) {
                     // A slope that is not finite is an error of the law, found elsewhere.
@@ -287,14 +328,21 @@ impl<'s> Model<'s> {
                         0.0
                     };
                     for &(j, x) in response {
-                        sums[j] += x.abs() * stiffness;
+                        match sums.get_mut(j) {
+                            Some(sum) => *sum += x.abs() * stiffness,
+                            // The rate of a state of its own value.
+                            None if direction.iter().any(|&(k, _)| k == j) => {
+                                fastest = fastest.max(x.abs() * stiffness);
+                            }
+                            None => {}
+                        }
                     }
                 }
             }
         }
         let elastic = largest(sums.into_iter());
-        if elastic > 0.0 {
-            elastic.sqrt().recip()
+        if elastic > 0.0 || fastest > self.loop_rate {
+            elastic.sqrt().max(fastest).recip()
         } else {
             self.time_unit
         }
@@ -324,7 +372,9 @@ impl<'s> Model<'s> {
         let contacts = 0..self.contacts.len();
         let of_contacts = contacts.flat_map(|c| [Target::Surface(c), Target::Load(c)]);
         let of_elements = (0..self.elements.len()).map(Target::Factor);
+        let of_states = (0..self.first_order.len()).map(Target::Rate);
         let targets = of_forces.chain(of_contacts).chain(of_elements);
+        let targets = targets.chain(of_states);
         self.varying = targets
             .filter(|&target| !self.drive(target).is_constant())
             .collect();
@@ -348,7 +398,7 @@ impl<'s> Model<'s> {
                         self.is_driven[i] = true;
                     }
                 }
-                Target::Load(_) | Target::Factor(_) => {}
+                Target::Load(_) | Target::Factor(_) | Target::Rate(_) => {}
             }
         }
         for &j in &self.sprung {
@@ -375,9 +425,51 @@ impl<'s> Model<'s> {
         self.owner.len()
     }
 
-    /// Number of memory variables of all contacts.
+    /// Number of memory variables: those of all contacts, then first-order states.
     pub(crate) fn remembered(&self) -> usize {
-        self.remembered
+        self.of_contacts + self.first_order.len()
+    }
+
+    /// The place of a first-order state among the memory variables.
+    pub(crate) fn state_place(&self, state: usize) -> usize {
+        self.of_contacts + state
+    }
+
+    /// The number of a state vector of displacements, velocities and memory variables that a
+    /// coordinate's number, or one beyond them, stands for as a position.
+    pub(crate) fn position_row(&self, j: usize) -> usize {
+        match j.checked_sub(self.len()) {
+            None => j,
+            Some(state) => 2 * self.len() + self.state_place(state),
+        }
+    }
+
+    /// The number whose rate a force changes there: a velocity, or a first-order state.
+    pub(crate) fn rate_row(&self, j: usize) -> usize {
+        match j.checked_sub(self.len()) {
+            None => self.len() + j,
+            Some(state) => 2 * self.len() + self.state_place(state),
+        }
+    }
+
+    /// The positions that directions of force elements take: displacements, then first-order
+    /// states.
+    pub(crate) fn position(&self, state: &State, j: usize) -> f64 {
+        match j.checked_sub(self.len()) {
+            None => state.displacements[j],
+            Some(z) => {
+                let place = self.state_place(z);
+                state.memory.get(place).copied().unwrap_or(0.0)
+            }
+        }
+    }
+
+    /// The force elements, without the laws of first-order states.
+    pub(crate) fn force_elements(&self) -> &[ElementData<'s>] {
+        let count = self
+            .elements
+            .partition_point(|element| element.rate_of.is_none());
+        &self.elements[..count]
     }
 
     /// The memory variables of a contact among those of all.
@@ -389,7 +481,10 @@ impl<'s> Model<'s> {
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();
         let of_contacts = contacts.flat_map(|contact| [&*contact.load, &*contact.belt_velocity]);
-        self.forces.iter().chain(of_contacts)
+        let of_elements = self.elements.iter().map(|element| &*element.factor);
+        let of_states = self.first_order.iter().map(|state| &*state.drive);
+        let others = of_contacts.chain(of_elements).chain(of_states);
+        self.forces.iter().chain(others)
     }
 
     /// The drive that acts there.
@@ -399,6 +494,7 @@ impl<'s> Model<'s> {
             Target::Surface(c) => &self.contacts[c].belt_velocity,
             Target::Load(c) => &self.contacts[c].load,
             Target::Factor(e) => &self.elements[e].factor,
+            Target::Rate(state) => &self.first_order[state].drive,
         }
     }
 

@@ -154,11 +154,20 @@ fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
         since: clock,
         from: displacement,
     };
-    state.limit = contact.law.limit(&|j| state.memory[j]);
+    state.limits = contact.law.limits(&|j| state.memory[j]);
 }
 
 /// An open contact closes: it slips if there is a relative velocity.
-pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: usize) {
+///
+/// # Errors
+///
+/// [`Error::WrongWay`] if it cannot slip in this direction.
+pub(super) fn close(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    c: usize,
+) -> Result<(), Error> {
     let contact = &model.contacts[c];
     let drive = &contact.belt_velocity;
     series.contacts[c].surface = if drive.is_constant() {
@@ -168,7 +177,7 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
     };
     if contact.is_elastic() {
         ask_again(situation, c);
-        return;
+        return Ok(());
     }
     let surface = &series.contacts[c].surface;
     let velocity = |j: usize| situation.velocity(model, series, j);
@@ -177,6 +186,14 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
     let from = situation.displacement_along(contact);
     let since = situation.clock;
     let state = &mut situation.contacts[c];
+    if let (Some(side), Some(limits)) = (Direction::of(relative), state.limits)
+        && limits[side.place()] == f64::INFINITY
+    {
+        return Err(Error::WrongWay {
+            contact: c,
+            velocity: relative,
+        });
+    }
     (state.entry, state.phase) = match Direction::of(relative) {
         None => (Entry::Arrived(None), Phase::Stick { since, from }),
         Some(direction) => {
@@ -190,6 +207,7 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
             (Entry::Held, slip)
         }
     };
+    Ok(())
 }
 
 /// The contact loses its load: there is no friction.
@@ -263,7 +281,7 @@ fn revise_load(
     };
     match (state.mode(), sign < 0.0) {
         (Mode::Open, false) => {
-            close(model, situation, series, c);
+            close(model, situation, series, c)?;
             arrive(model, situation, c);
             Ok(true)
         }
@@ -301,7 +319,7 @@ fn revise_mode(
             let Some(i) = model.owner_of(c) else {
                 return false;
             };
-            if state.limit.is_some() {
+            if state.limits.is_some() {
                 return revise_stick(model, situation, series, [c, i], may_jump);
             }
             // Its law alone gives the force at r = 0, the same on both sides.
@@ -325,14 +343,19 @@ fn revise_stick(
 ) -> bool {
     let (contact, of) = (&model.contacts[c], &series.contacts[c]);
     let state = &situation.contacts[c];
-    let (carried, bound) = (of.carried[0], of.bound[0]);
+    let carried = of.carried[0];
     let is_known = state.edge != Edge::Away;
     let is_fresh = state.has_arrived();
+    let excess = |side: Direction| side.sign() * carried - of.bound(side)[0];
     let side = match state.edge {
         Edge::On(Some(side), _) => side,
-        _ => side_of(carried),
+        _ => {
+            let side = side_of(carried);
+            let is_nearer = excess(side.opposite()) > excess(side);
+            if is_nearer { side.opposite() } else { side }
+        }
     };
-    let beyond = side.sign() * carried - bound;
+    let beyond = excess(side);
     if !(is_fresh || is_known || beyond >= 0.0) {
         return false;
     }
@@ -344,7 +367,7 @@ fn revise_stick(
     let terms = terms + load_terms * state.static_coefficient();
     let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let mut release = None;
-    if is_fresh && bound.max(carried.abs()) <= rounding {
+    if is_fresh && of.has_no_band(carried, rounding) {
         // No band yet, for the load begins: on both of its bounds.
         state.edge = Edge::reached(None);
         let rates = [side, side.opposite()].map(|side| (side, Edge::leaving(of, side).1));
@@ -364,7 +387,7 @@ fn revise_stick(
         return false;
     };
     let coefficient = state.start_coefficient(contact.law, side);
-    let jump = bound - of.load[0] * side.sign() * coefficient;
+    let jump = of.bound(side)[0] - of.load[0] * side.sign() * coefficient;
     // μ̂(0) may exceed μ_s by an ulp.
     state.begin_slip(contact.law, side, Some(beyond + jump.max(0.0)));
     state.entry = Entry::Held;

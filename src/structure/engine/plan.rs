@@ -47,6 +47,8 @@ pub(super) struct Plan {
     /// The allowances of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
     pub(super) contacts: Vec<Allowance>,
+    /// The allowances of the first-order states.
+    pub(super) states: Vec<Allowance>,
     /// The size of the terms of the equation of each contact's relative velocity.
     pub(super) sizes: Vec<f64>,
     /// Rate at which a perturbation of each velocity decays.
@@ -86,11 +88,14 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
                     motion.iter().all(|c| c.is_constant()) && series.load.is_linear()
                 }
                 Phase::Stick { .. } => {
-                    let forces = [&series.carried, &series.bound, &series.load];
-                    series.surface.is_constant() && forces.iter().all(|c| c.is_linear())
+                    let mut forces = [&series.carried, &series.load]
+                        .into_iter()
+                        .chain(&series.bounds);
+                    series.surface.is_constant() && forces.all(|c| c.is_linear())
                 }
             })
         && series.elements.iter().all(ElementSeries::rests)
+        && series.states.iter().all(PowerSeries::is_constant)
 }
 
 /// Returns true if all coefficients of all series are finite.
@@ -102,8 +107,14 @@ pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
         let velocity = |k: usize| 0.0 * coordinate.motion.velocity(k);
         sum += velocity(LAST) + velocity(LAST - 1);
     }
+    for state in &series.states {
+        sum += 0.0 * state[LAST];
+    }
     for (state, of) in std::iter::zip(&situation.contacts, &series.contacts) {
-        sum += 0.0 * of.bound[LAST - 1] + 0.0 * of.load[LAST - 1];
+        for bound in &of.bounds {
+            sum += 0.0 * bound[LAST - 1];
+        }
+        sum += 0.0 * of.load[LAST - 1];
         if state.sticks() {
             sum += 0.0 * of.carried[LAST - 1] + 0.0 * of.carried[LAST - 2];
         }
@@ -226,6 +237,14 @@ fn plan_within(
         farthest = farthest.min(motion.reach(reaches, allowance.error));
         plan.coordinates.push(allowance);
     }
+    plan.states.clear();
+    for (data, of) in std::iter::zip(&model.first_order, &series.states) {
+        let scale = state_scale(of, within);
+        let terms = data.rate_size(|j| &series.coordinates[j].motion, &series.states);
+        let allowance = Allowance::new(tolerance * scale, terms);
+        farthest = farthest.min(reaches.of(allowance.error, of, TERMS - 1));
+        plan.states.push(allowance);
+    }
     plan.contacts.clear();
     plan.sizes.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
@@ -281,9 +300,11 @@ fn plan_within(
         }
         if state.sticks() {
             // The last coefficient of the force would need one more coefficient of the velocities.
-            let error = tolerance * of.bound[0].abs().max(size);
+            let error = tolerance * of.largest_bound().max(size);
             farthest = farthest.min(reaches.of(error, &of.carried, TERMS - 2));
-            farthest = farthest.min(reaches.of(error, &of.bound, TERMS - 2));
+            for bound in &of.bounds {
+                farthest = farthest.min(reaches.of(error, bound, TERMS - 2));
+            }
         }
         if of.load_varies {
             let error = tolerance * load_terms(contact, situation);
@@ -297,6 +318,16 @@ fn plan_within(
         plan.sizes.push(size);
     }
     farthest
+}
+
+/// The size of a first-order state: its value, or its change in a time by its first derivatives, of
+/// which a motion from rest leaves the first two 0.
+fn state_scale(state: &PowerSeries, within: f64) -> f64 {
+    let by_rate = |k: i32| match within.is_finite() {
+        true => state[k as usize].abs() * within.powi(k),
+        false => 0.0,
+    };
+    (1..=3).map(by_rate).fold(state[0].abs(), f64::max)
 }
 
 /// The length of a step in which only the memory of contacts changes: until it has changed by its

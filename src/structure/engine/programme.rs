@@ -52,6 +52,8 @@ pub(super) enum Choice {
 pub(super) enum Unsolved {
     Endless,
     TooMany(TooMany),
+    /// Contacts of a circuit of which each slips in one direction only.
+    Jammed(Vec<usize>),
 }
 
 /// Changing the contact with the least number first always ends, but it can take 2ⁿ changes. The
@@ -103,9 +105,9 @@ fn walk(model: &Model<'_>, series: &Series, unknowns: &mut [Unknown]) -> Result<
     for unknown in unknowns.iter_mut() {
         unknown.choice = Choice::Stick;
     }
-    let parted = part_from_base(model, series, unknowns);
+    let parted = part_from_base(model, series, unknowns)?;
     match walk_from(model, series, unknowns, (None, parted)) {
-        Err(Unsolved::TooMany(_)) => {}
+        Err(Unsolved::TooMany(_)) if unknowns.iter().all(Unknown::may_slip_freely) => {}
         found => return found,
     }
     for unknown in unknowns.iter_mut().filter(|unknown| unknown.free != 0.0) {
@@ -133,7 +135,14 @@ fn walk_from(
                 at[*i] == 0.0 && !unknown.sticks() && unknown.is_broken()
             };
             if let Some(i) = parted.iter().copied().find(turning) {
-                unknowns[i].choice = Choice::Slip(side_of(unknowns[i].acceleration));
+                let side = side_of(unknowns[i].acceleration);
+                let contact = unknowns[i].contact;
+                unknowns[i].choice = Choice::Slip(side);
+                if unknowns[i].most(side) == f64::INFINITY {
+                    unknowns[i].choice = Choice::Stick;
+                    let own = -side.sign();
+                    parted.push(give_way(model, unknowns, (contact, own), &resting.holding)?);
+                }
                 continue;
             }
             let first = first_at_rest(at, unknowns, &has_left);
@@ -144,11 +153,10 @@ fn walk_from(
             if let Some((i, _)) = first {
                 at[i] = 0.0;
                 let contact = unknowns[i].contact;
-                let own = disagreement(model, series, contact, &resting.holding);
-                unknowns[i].choice = own.map_or(Choice::Stick, |own| {
-                    parted.push(i);
-                    Choice::Slip(side_of(-own))
-                });
+                unknowns[i].choice = Choice::Stick;
+                if let Some(own) = disagreement(model, series, contact, &resting.holding) {
+                    parted.push(give_way(model, unknowns, (contact, own), &resting.holding)?);
+                }
                 continue;
             }
         }
@@ -171,22 +179,49 @@ fn walk_from(
 
 /// Contacts on surfaces that do not move with the others cannot rest with them: they slip, in the
 /// direction of the first derivative of their velocity that is not 0. Returns their places.
-fn part_from_base(model: &Model<'_>, series: &Series, unknowns: &mut [Unknown]) -> Vec<usize> {
+fn part_from_base(
+    model: &Model<'_>,
+    series: &Series,
+    unknowns: &mut [Unknown],
+) -> Result<Vec<usize>, Unsolved> {
     let resting = hold(model, unknowns);
     let mut parted = Vec::new();
-    for (place, unknown) in unknowns.iter_mut().enumerate() {
-        let is_rider = resting
-            .groups
-            .iter()
-            .any(|g| g.riders().contains(&unknown.contact));
-        if is_rider
-            && let Some(own) = disagreement(model, series, unknown.contact, &resting.holding)
-        {
-            unknown.choice = Choice::Slip(side_of(-own));
-            parted.push(place);
+    for place in 0..unknowns.len() {
+        let contact = unknowns[place].contact;
+        let is_rider = resting.groups.iter().any(|g| g.riders().contains(&contact));
+        if is_rider && let Some(own) = disagreement(model, series, contact, &resting.holding) {
+            parted.push(give_way(model, unknowns, (contact, own), &resting.holding)?);
         }
     }
-    parted
+    Ok(parted)
+}
+
+/// Lets a contact slip that cannot rest with those that hold, because its surface moves relative to
+/// them with the sign `own`; if it does not slip this way, one of those on which it depends slips
+/// in its place. Returns the place of the one that slips.
+fn give_way(
+    model: &Model<'_>,
+    unknowns: &mut [Unknown],
+    (contact, own): (usize, f64),
+    holding: &Holding,
+) -> Result<usize, Unsolved> {
+    let parts = model.parts(contact, holding).0.into_iter();
+    let others = parts.filter(|(c, part)| *part != 0.0 && *c != contact);
+    let circuit: Vec<(usize, f64)> = std::iter::once((contact, -1.0)).chain(others).collect();
+    for &(c, part) in &circuit {
+        // r_d = Σ α_c r_c − (w_d − Σ α_c w_c) is 0 if one of these slips, or itself.
+        let side = side_of(part * own);
+        let place = unknowns.iter().position(|unknown| unknown.contact == c);
+        if let Some(place) = place
+            && unknowns[place].most(side) != f64::INFINITY
+        {
+            unknowns[place].choice = Choice::Slip(side);
+            return Ok(place);
+        }
+    }
+    Err(Unsolved::Jammed(
+        circuit.into_iter().map(|(c, _)| c).collect(),
+    ))
 }
 
 /// The slipping contact whose acceleration is the first to become 0 on the way to the solution of
@@ -251,7 +286,11 @@ pub(super) fn excess_of(
     parts.fold((0.0, 0.0), |(excess, rounding), &(i, part)| {
         let unknown = &unknowns[i];
         let most = part.abs() * unknown.most(Mechanism::slips(part, side));
-        let of_most = EDGE_ROUNDING * f64::EPSILON * most.abs();
+        let of_most = if most.is_finite() {
+            EDGE_ROUNDING * f64::EPSILON * most.abs()
+        } else {
+            0.0
+        };
         (
             excess + side.sign() * part * unknown.force - most,
             rounding + part.abs() * unknown.rounding + of_most,
@@ -334,6 +373,11 @@ impl Unknown {
         }
     }
 
+    /// Returns true if it may slip in the direction of its acceleration without friction.
+    fn may_slip_freely(&self) -> bool {
+        self.most(side_of(self.free)) != f64::INFINITY
+    }
+
     pub(super) fn sticks(&self) -> bool {
         self.choice == Choice::Stick
     }
@@ -348,7 +392,7 @@ impl Unknown {
 
     /// The largest force against slip in a direction.
     pub(super) fn most(&self, side: Direction) -> f64 {
-        self.most[usize::from(side == Direction::Leading)]
+        self.most[side.place()]
     }
 
     /// The bound that the force in stick exceeds, or to which it is closer, and by how much.

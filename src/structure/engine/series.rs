@@ -14,10 +14,15 @@ pub(super) struct Series {
     pub(super) coordinates: Vec<CoordinateSeries>,
     pub(super) contacts: Vec<ContactSeries>,
     pub(super) elements: Vec<ElementSeries>,
-    /// The given forces on coordinates with springs of contacts or force elements, divided by the
-    /// mass.
+    /// First-order states, and the drives in their rates.
+    pub(super) states: Vec<PowerSeries>,
+    pub(super) inputs: Vec<PowerSeries>,
+    /// Room for one order of the laws in these rates.
+    pub(super) laws: Vec<f64>,
+    /// The given forces on coordinates with springs of contacts, force elements or forces of
+    /// first-order states, divided by the mass.
     pub(super) given: Vec<PowerSeries>,
-    /// The sizes of the forces of these springs and elements at the start.
+    /// The sizes of the forces of these springs, elements and states at the start.
     pub(super) spring_sizes: Vec<f64>,
     /// Room for one order of the shared coordinates and contacts.
     pub(super) rates: Vec<f64>,
@@ -26,7 +31,7 @@ pub(super) struct Series {
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
     /// Present if all loads are constant, no contact has a normal spring, so that none opens, and
-    /// there are no force elements.
+    /// there are no force elements and no first-order states.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -40,8 +45,10 @@ impl Series {
             .contacts
             .iter()
             .any(|contact| !contact.reaction.is_empty());
-        let is_simple =
-            !has_springs && model.elements.is_empty() && contacts.iter().all(|of| !of.load_varies);
+        let is_simple = !has_springs
+            && model.elements.is_empty()
+            && model.first_order.is_empty()
+            && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(PowerSeries::of(force))
@@ -49,6 +56,9 @@ impl Series {
         let coordinates: Vec<CoordinateSeries> = coordinates.collect();
         let elements = model.elements.iter();
         let given = model.sprung.iter().map(|&j| coordinates[j].force);
+        let inputs = model.first_order.iter();
+        let inputs = inputs.map(|state| PowerSeries::of(state.scale * state.drive.value(time)));
+        let states = model.first_order.len();
         Self {
             given: given.collect(),
             spring_sizes: vec![0.0; model.sprung.len()],
@@ -57,6 +67,9 @@ impl Series {
                 .collect(),
             coordinates,
             contacts,
+            states: vec![PowerSeries::ZERO; states],
+            inputs: inputs.collect(),
+            laws: vec![0.0; states],
             rates: vec![0.0; model.len()],
             unheld: vec![0.0; model.len()],
             rounding: vec![0.0; model.len()],

@@ -47,8 +47,8 @@ pub(super) struct Decision {
 struct Candidate {
     /// Its state in stick.
     resting: ContactState,
-    /// The static limit, and the kinetic ones backward and forward.
-    limit: f64,
+    /// The static limits and the kinetic ones, backward and forward.
+    limits: [f64; 2],
     kinetic: [f64; 2],
     has_yielded: bool,
     /// The direction of slip that begins with the force of stick and without acceleration.
@@ -74,7 +74,7 @@ impl Decision {
             factor.solve(&mut forces);
             for (&c, force) in std::iter::zip(contacts, &forces) {
                 if let Edge::On(Some(side), 1) = situation.contacts[c].edge {
-                    let bound = side.sign() * series.contacts[c].bound[0] / root(c);
+                    let bound = side.sign() * series.contacts[c].bound(side)[0] / root(c);
                     beyond.push((c, force - bound));
                 }
             }
@@ -156,7 +156,7 @@ impl Decision {
         }
         for &c in &model.shared {
             let state = &mut situation.contacts[c];
-            if state.sticks() && state.limit.is_none() {
+            if state.sticks() && state.limits.is_none() {
                 let from = match state.entry {
                     Entry::Arrived(Some(from)) => from,
                     _ => Direction::Leading,
@@ -179,13 +179,17 @@ impl Decision {
             let forces =
                 contact.size_along(|j| model.acceleration_by(j, |l| model.forces[l].size()).abs());
             let kinetic = [Direction::Lagging, Direction::Leading].map(|side| {
+                let bound = of.bound(side)[0];
+                if bound == f64::INFINITY {
+                    return bound;
+                }
                 let coefficient = side.sign() * state.start_coefficient(contact.law, side);
-                (of.load[0] * coefficient).min(of.bound[0]) / root
+                (of.load[0] * coefficient).min(bound) / root
             });
-            let limit = of.bound[0] / root;
+            let limits = of.bounds.each_ref().map(|bound| bound[0] / root);
             self.candidates.push(Candidate {
                 resting: state.clone(),
-                limit,
+                limits,
                 kinetic,
                 has_yielded: false,
                 leaves: None,
@@ -193,7 +197,7 @@ impl Decision {
             let terms = contact_terms(model, situation, series, c) + forces + load_terms;
             let free = of.free / root;
             self.unknowns
-                .push(Unknown::new(c, [free, terms / root], [limit; 2]));
+                .push(Unknown::new(c, [free, terms / root], limits));
         }
         let contacts: Vec<usize> = self.unknowns.iter().map(|u| u.contact).collect();
         self.is_dependent = model.factor(&contacts).is_err();
@@ -219,7 +223,8 @@ impl Decision {
         let eagerness = |slipping: &Slipping| {
             let candidate = &self.candidates[slipping.place];
             let may_yield = !candidate.has_yielded && candidate.falls(slipping.side);
-            may_yield.then_some(slipping.acceleration.abs() / candidate.limit)
+            let limit = candidate.limits[slipping.side.place()];
+            may_yield.then_some(slipping.acceleration.abs() / limit)
         };
         let eagerness: Vec<Option<f64>> = slipping.iter().map(eagerness).collect();
         let Some(fastest) = eagerness.iter().flatten().copied().reduce(f64::max) else {
@@ -364,7 +369,7 @@ impl Decision {
         for &c in &model.shared {
             let state = &mut situation.contacts[c];
             let speeds = &series.contacts[c].speeds;
-            if let (Phase::Slip { direction, .. }, None) = (&mut state.phase, state.limit)
+            if let (Phase::Slip { direction, .. }, None) = (&mut state.phase, state.limits)
                 && matches!(state.entry, Entry::Arrived(_))
                 && speeds.first_nonzero().is_some_and(|c| c < 0.0)
             {
@@ -489,11 +494,12 @@ impl Decision {
                     Of::Contact(_) if at == order => (coefficient, coefficient.abs()),
                     Of::Contact(_) => (0.0, 0.0),
                     Of::Mechanism(_) => {
-                        let most = of.bound[order] - side.sign() * of.carried[order];
-                        (most, of.rounding(order) / (EDGE_ROUNDING * f64::EPSILON))
+                        let most = of.bound(side)[order] - side.sign() * of.carried[order];
+                        let rounding = of.rounding(side, order);
+                        (most, rounding / (EDGE_ROUNDING * f64::EPSILON))
                     }
                 };
-                unknown.most[usize::from(side == Direction::Leading)] = most / root;
+                unknown.most[side.place()] = most / root;
                 unknown.terms = unknown.terms.max(size / root);
             }
         }
@@ -539,9 +545,7 @@ fn beyond_mechanisms(
                 .clone()
                 .filter_map(|&(c, part)| Some((place(c)?, part)));
             let held: Vec<(usize, f64)> = held.collect();
-            let bound: f64 = parts
-                .map(|&(c, part)| part.abs() * series.contacts[c].bound[0] / root_of(model, c))
-                .sum();
+            let bound = mechanism.bound(model, series, side);
             let power: f64 = held.iter().map(|&(i, part)| part * forces[i]).sum();
             let size: f64 = held.iter().map(|(_, part)| part * part).sum();
             for (i, part) in held {
@@ -560,6 +564,13 @@ fn beyond_mechanisms(
 fn unsolved(reason: Unsolved, model: &Model<'_>, situation: &Situation, series: &Series) -> Error {
     match reason {
         Unsolved::Endless => situation.undecided(model, series),
+        Unsolved::Jammed(mut contacts) => {
+            contacts.sort_unstable();
+            Error::Jammed {
+                contacts,
+                reached: situation.reached(model, series),
+            }
+        }
         Unsolved::TooMany(TooMany { contacts, subsets }) => Error::TooManyMechanisms {
             contacts,
             subsets,
@@ -597,15 +608,16 @@ struct Slipping {
 impl Candidate {
     /// Returns true if the kinetic limit is below the static limit for slip in a direction.
     fn falls(&self, side: Direction) -> bool {
-        let kinetic = self.kinetic[usize::from(side == Direction::Leading)];
-        self.limit - kinetic > 4.0 * f64::EPSILON * self.limit
+        let [limit, kinetic] = [self.limits, self.kinetic].map(|of| of[side.place()]);
+        limit - kinetic > 4.0 * f64::EPSILON * limit
     }
 
     /// The edge of its band at which it is, in stick.
     fn edge(&self, unknown: &Unknown) -> Edge {
         let (side, excess) = unknown.excess();
         let is_fresh = self.resting.has_arrived();
-        if is_fresh && self.limit.max(unknown.force.abs()) <= unknown.rounding {
+        let limit = self.limits[0].max(self.limits[1]);
+        if is_fresh && limit.max(unknown.force.abs()) <= unknown.rounding {
             // No band yet, for the load begins: on both of its bounds.
             return Edge::reached(None);
         }

@@ -19,6 +19,7 @@ use super::coordinate_series::CoordinateSeries;
 use super::edge::{EDGE_ROUNDING, Edge, deciding, side_of};
 use super::elements::element_order;
 use super::factor::ROUNDING;
+use super::first_orders::first_order_order;
 use super::model::Model;
 use super::series::Series;
 use super::sizes::load_terms;
@@ -26,7 +27,8 @@ use super::state::{Entry, Phase, Situation};
 use crate::series::INTEGRAL;
 use crate::state::Direction;
 
-/// Order k of the forces of all springs and force elements, and k + 1 of what springs carry.
+/// Order k of the forces of all springs, force elements and first-order states, and k + 1 of what
+/// springs carry and of the states.
 pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
     for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
         series.coordinates[j].force[k] = given[k];
@@ -49,17 +51,20 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
         }
     }
     element_order(model, series, k);
+    first_order_order(model, series, k);
     if k == 0 {
         note_sizes(model, series);
     }
 }
 
-/// Notes the sizes of the forces of all springs and elements at the start, for rounding errors.
+/// Notes the sizes of the forces of all springs, elements and states at the start, for rounding
+/// errors.
 fn note_sizes(model: &Model<'_>, series: &mut Series) {
     let Series {
         contacts,
         elements,
         spring_sizes,
+        states,
         ..
     } = series;
     spring_sizes.fill(0.0);
@@ -74,6 +79,9 @@ fn note_sizes(model: &Model<'_>, series: &mut Series) {
         for (i, response) in element.responses.iter().enumerate() {
             note(response, of.size(element, i));
         }
+    }
+    for (data, state) in std::iter::zip(&model.first_order, states) {
+        note(&data.responses, state[0]);
     }
     for &c in &model.springs {
         let (contact, of) = (&model.contacts[c], &contacts[c]);
@@ -96,15 +104,16 @@ impl ContactSeries {
     ) {
         if k == 0 {
             self.load_order(contact, coordinates, 0);
-            self.bound[0] = self.load[0] * self.limit;
-            self.friction[0] = self.limit;
+            self.set_bounds(0, self.load[0] * self.limits[0]);
+            self.friction[0] = self.limits[0];
         }
         self.load_order(contact, coordinates, k + 1);
-        self.bound[k + 1] = if self.load_varies {
-            self.load[k + 1] * self.limit
+        let bound = if self.load_varies {
+            self.load[k + 1] * self.limits[0]
         } else {
             0.0
         };
+        self.set_bounds(k + 1, bound);
         let velocity = match &self.guided {
             Some(velocity) => velocity[k] - self.surface[k],
             None => contact.along(|j| coordinates[j].motion.velocity(k)) - self.surface[k],
@@ -115,10 +124,10 @@ impl ContactSeries {
             StepMode::Stick => carried[k + 1] = stiffness * velocity * INTEGRAL[k],
             StepMode::Slip => {
                 if k == 0 {
-                    carried[0] = self.side * self.bound[0];
+                    carried[0] = self.side * self.bounds[0][0];
                 }
-                carried[k + 1] = self.side * self.bound[k + 1];
-                let speed = self.side * velocity - (k + 1) as f64 * self.bound[k + 1] / stiffness;
+                carried[k + 1] = self.side * bound;
+                let speed = self.side * velocity - (k + 1) as f64 * bound / stiffness;
                 // Zeros that the decision knows.
                 let is_zero = match k {
                     0 => self.speeds[0] == 0.0,
@@ -129,6 +138,13 @@ impl ContactSeries {
             }
         }
         (self.carried[k], self.carried[k + 1]) = (carried[k], carried[k + 1]);
+    }
+
+    /// Both limits of an elastic contact are the same.
+    fn set_bounds(&mut self, k: usize, bound: f64) {
+        for series in &mut self.bounds {
+            series[k] = bound;
+        }
     }
 
     /// The first two orders of r while the slider is at rest, and of the slider's speed in slip,
@@ -214,7 +230,7 @@ fn stop_held(model: &Model<'_>, situation: &mut Situation, series: &Series) -> b
         };
         let velocity = |j: usize| series.coordinates[j].motion.velocity(0);
         let terms = contact.size_along(velocity) + of.surface[0].abs();
-        if of.speeds[0].abs() <= ROUNDING * (terms + (of.bound[1] / stiffness).abs()) {
+        if of.speeds[0].abs() <= ROUNDING * (terms + (of.bounds[0][1] / stiffness).abs()) {
             situation.contacts[c].entry = Entry::Arrived(None);
             ask_again(situation, c);
             changed = true;
@@ -253,7 +269,7 @@ pub(super) fn revise_elastic(
             if at.is_some_and(|at| at != side) {
                 continue;
             }
-            let Some((order, d)) = deciding(&known.distance(of, side), of.bound[0]) else {
+            let Some((order, d)) = deciding(&known.distance(of, side), of.bounds[0][0]) else {
                 continue;
             };
             if d >= 0.0 {
@@ -292,8 +308,8 @@ pub(super) fn revise_elastic(
 /// Finds the edge of its band on which an elastic contact that sticks is, if any.
 fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) {
     let of = &series.contacts[c];
-    let (bound, carried) = (of.bound[0], of.carried[0]);
-    let size = load_terms(&model.contacts[c], situation) * of.limit;
+    let (bound, carried) = (of.bounds[0][0], of.carried[0]);
+    let size = load_terms(&model.contacts[c], situation) * of.limits[0];
     let rounding = EDGE_ROUNDING * f64::EPSILON * (size + carried.abs());
     let state = &mut situation.contacts[c];
     if state.edge != Edge::Away {

@@ -3,6 +3,7 @@
 use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::{Holding, Pivot};
+use super::limits::larger_finite;
 use super::mechanisms::Mechanism;
 use super::model::Model;
 use super::passages::ElementState;
@@ -23,6 +24,8 @@ pub(super) struct Situation {
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) contacts: Vec<ContactState>,
     pub(super) elements: Vec<ElementState>,
+    /// The first-order states.
+    pub(super) states: Vec<f64>,
     /// The shared contacts that stick, in the order of [`Model::shared`], and what holds them.
     pub(super) holding: Holding,
     /// The mechanisms of those that stick without a force of their own.
@@ -65,8 +68,8 @@ pub(super) struct ContactState {
     pub(super) memory: Vec<f64>,
     /// The memory when slip reached r = 0.
     pub(super) arrival_memory: Vec<f64>,
-    /// μ_s at the start of the step; `None` for a law that never sticks.
-    pub(super) limit: Option<f64>,
+    /// μ_s at the start of the step, backward and forward; `None` for a law that never sticks.
+    pub(super) limits: Option<[f64; 2]>,
     /// True if it sticks in a group of contacts with dependent directions: mechanisms decide when
     /// it slips, not its own force.
     pub(super) is_in_group: bool,
@@ -145,7 +148,7 @@ impl Situation {
                 edge: Edge::Away,
                 load_edge: Edge::Away,
                 entry: Entry::Held,
-                limit: contact.law.limit(&|j| memory[j]),
+                limits: contact.law.limits(&|j| memory[j]),
                 is_in_group: false,
                 was_cut: false,
                 arrival_memory: memory.clone(),
@@ -153,14 +156,17 @@ impl Situation {
             }
         });
         let elements = model.elements.iter().map(|element| {
-            let positions = element.along(|j| start.displacements[j]);
+            let positions = element.along(|j| model.position(start, j));
             ElementState::at(element, positions[0])
         });
+        let states = 0..model.first_order.len();
+        let states = states.map(|state| model.position(start, model.len() + state));
         Self {
             clock,
             coordinates: coordinates.collect(),
             contacts: contacts.collect(),
             elements: elements.collect(),
+            states: states.collect(),
             holding: Holding::default(),
             mechanisms: Vec::new(),
             guided: Vec::new(),
@@ -211,11 +217,12 @@ impl Situation {
         contact.along(|j| self.coordinates[j].displacement)
     }
 
-    /// The state, with the memory of the contacts.
+    /// The state, with the memory of the contacts and the first-order states.
     pub(super) fn state(&self, model: &Model<'_>, series: &Series) -> State {
         let mut memory = Vec::with_capacity(model.remembered());
         if model.remembered() > 0 {
             memory.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
+            memory.extend(&self.states);
         }
         let velocities = 0..self.coordinates.len();
         State {
@@ -234,6 +241,7 @@ impl Situation {
         list.extend(velocities.map(|i| self.velocity(model, series, i)));
         if model.remembered() > 0 {
             list.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
+            list.extend(&self.states);
         }
     }
 
@@ -303,9 +311,9 @@ impl ContactState {
         }
     }
 
-    /// μ_s at the start of the step, 0 for a law that never sticks.
+    /// The larger finite μ_s at the start of the step, 0 for a law that never sticks.
     pub(super) fn static_coefficient(&self) -> f64 {
-        self.limit.unwrap_or(0.0)
+        self.limits.map_or(0.0, larger_finite)
     }
 
     pub(super) fn has_arrived(&self) -> bool {

@@ -45,6 +45,9 @@ pub(super) fn land(
     } else {
         Disturbance::None
     };
+    for (state, series) in std::iter::zip(&mut situation.states, &series.states) {
+        *state = series.at(h);
+    }
     for (state, passage) in std::iter::zip(&mut situation.elements, &firings.passages) {
         if h > 0.0 || passage.is_some() {
             state.land(*passage);
