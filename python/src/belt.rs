@@ -1,0 +1,665 @@
+//! `MassOnBelt` and `PhysicalMassOnBelt`.
+
+use std::any::Any;
+use std::ops::Range;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use stick_slip::bifurcation::{self, Along, Criticality, DiagramPoint, VibrationRange};
+use stick_slip::limit_cycle::{self, Attractor};
+use stick_slip::{
+    CycleSet, Error, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Physical, PhysicalMassOnBelt,
+    Scaled, Search, State, Step, Structure, Trajectory,
+};
+
+use crate::convert::{BeltStart, ComplexNumbers, float};
+use crate::error::OrRaise;
+use crate::law::PyLaw;
+use crate::motion::{AnyMotion, PyMotion, ended_well};
+use crate::record::record;
+use crate::simulate::Settings;
+use crate::structure::PyStructure;
+use crate::waiting::Waiting;
+
+/// A search along a parameter, by its name in Python.
+#[derive(Clone, Copy)]
+pub enum Border {
+    Hopf,
+    Grazing,
+    Touching,
+    Overshoot,
+    Crossing,
+    Folds,
+}
+
+impl Border {
+    fn of<L: FrictionLaw>(self, along: &Along<'_, L>) -> Result<Vec<f64>, Error> {
+        match self {
+            Self::Hopf => along.hopf(),
+            Self::Grazing => along.grazing(),
+            Self::Touching => along.touching(),
+            Self::Overshoot => along.overshoot(),
+            Self::Crossing => along.crossing(),
+            Self::Folds => along.folds(),
+        }
+    }
+}
+
+/// What a search along a parameter of a family asks for.
+#[derive(Clone, Copy)]
+pub enum Question {
+    Border(Border),
+    Ranges,
+    Silence,
+}
+
+/// Its answer.
+pub enum Answer {
+    Values(Vec<f64>),
+    Ranges(Vec<VibrationRange>),
+    Value(Option<f64>),
+}
+
+impl Question {
+    fn of<L: FrictionLaw>(self, along: &Along<'_, L>) -> Result<Answer, Error> {
+        Ok(match self {
+            Self::Border(border) => Answer::Values(border.of(along)?),
+            Self::Ranges => Answer::Ranges(along.vibration_ranges()?),
+            Self::Silence => Answer::Value(along.silence()?),
+        })
+    }
+}
+
+/// The damping, load or stiffness at which a system falls silent.
+#[derive(Clone, Copy)]
+pub enum Silencing {
+    Damping,
+    Load,
+    Stiffness,
+}
+
+/// A family of systems along a parameter.
+pub type BeltFamily<'f> = dyn Fn(f64) -> Result<Arc<dyn Belt>, Error> + 'f;
+
+/// A mass on a belt in either system of units with a law of either kind.
+pub trait Belt: Send + Sync + 'static {
+    fn simulate_until(
+        &self,
+        integrator: Integrator,
+        start: State,
+        duration: f64,
+        stop: &mut dyn FnMut(&Step) -> Option<f64>,
+    ) -> Result<Trajectory, Error>;
+    fn stick_limits(&self) -> [f64; 2];
+    fn release_state(&self) -> Option<State>;
+    fn friction_force(&self, state: State) -> f64;
+    fn acceleration(&self, state: State) -> f64;
+    fn equilibrium(&self) -> Option<stick_slip::Equilibrium>;
+    fn structure(&self) -> Result<Structure, Error>;
+    fn cycles(&self) -> Result<CycleSet, Error>;
+    fn stick_slip(&self) -> Result<Option<LimitCycle>, Error>;
+    fn attractors(&self, starts: &[State]) -> Result<Vec<Attractor>, Error>;
+    fn velocities(
+        &self,
+        border: Border,
+        range: Range<f64>,
+        search: Search<'_>,
+    ) -> Result<Vec<f64>, Error>;
+    fn ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error>;
+    fn criticality(&self, velocity: f64) -> Criticality;
+    fn point(&self, velocity: f64) -> Result<DiagramPoint, Error>;
+    fn silencing(&self, of: Silencing) -> Result<f64, Error>;
+    /// A search of a family to which this system belongs.
+    fn along(
+        &self,
+        question: Question,
+        family: &BeltFamily<'_>,
+        range: Range<f64>,
+        name: &'static str,
+        search: Search<'_>,
+    ) -> Result<Answer, Error>;
+    fn any(&self) -> &dyn Any;
+}
+
+/// A system whose law cannot be that of the rest of its family.
+fn other_kind() -> Error {
+    Error::InvalidParameter {
+        of: "family",
+        name: "law",
+        value: f64::NAN,
+        allowed: "laws of one's own throughout, or laws of the package throughout, in one system \
+                  of units",
+    }
+}
+
+impl<L: FrictionLaw + Clone + Send + Sync + 'static> Belt for MassOnBelt<L> {
+    fn simulate_until(
+        &self,
+        integrator: Integrator,
+        start: State,
+        duration: f64,
+        stop: &mut dyn FnMut(&Step) -> Option<f64>,
+    ) -> Result<Trajectory, Error> {
+        integrator.simulate_until(self, start, duration, stop)
+    }
+    fn stick_limits(&self) -> [f64; 2] {
+        self.stick_limits()
+    }
+    fn release_state(&self) -> Option<State> {
+        self.release_state()
+    }
+    fn friction_force(&self, state: State) -> f64 {
+        self.friction_force(state)
+    }
+    fn acceleration(&self, state: State) -> f64 {
+        self.acceleration(state)
+    }
+    fn equilibrium(&self) -> Option<stick_slip::Equilibrium> {
+        self.equilibrium()
+    }
+    fn structure(&self) -> Result<Structure, Error> {
+        Ok(Structure::from(self))
+    }
+    fn cycles(&self) -> Result<CycleSet, Error> {
+        limit_cycle::find(self)
+    }
+    fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
+        limit_cycle::stick_slip(self)
+    }
+    fn attractors(&self, starts: &[State]) -> Result<Vec<Attractor>, Error> {
+        let basins = limit_cycle::basins(self)?;
+        starts
+            .iter()
+            .map(|start| basins.attractor(*start))
+            .collect()
+    }
+    fn velocities(
+        &self,
+        border: Border,
+        range: Range<f64>,
+        search: Search<'_>,
+    ) -> Result<Vec<f64>, Error> {
+        border.of(&bifurcation::along_velocities(self, range).with_search(search))
+    }
+    fn ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
+        bifurcation::vibration_ranges(self, range)
+    }
+    fn criticality(&self, velocity: f64) -> Criticality {
+        bifurcation::criticality(self, velocity)
+    }
+    fn point(&self, velocity: f64) -> Result<DiagramPoint, Error> {
+        bifurcation::diagram(self, [velocity])
+            .next()
+            .expect("one velocity, one point")
+    }
+    fn silencing(&self, of: Silencing) -> Result<f64, Error> {
+        match of {
+            Silencing::Damping => bifurcation::silencing_damping(self),
+            Silencing::Load => bifurcation::silencing_load(self),
+            Silencing::Stiffness => bifurcation::silencing_stiffness(self),
+        }
+    }
+    fn along(
+        &self,
+        question: Question,
+        family: &BeltFamily<'_>,
+        range: Range<f64>,
+        name: &'static str,
+        search: Search<'_>,
+    ) -> Result<Answer, Error> {
+        let family = |value: f64| {
+            let system = family(value)?;
+            system
+                .any()
+                .downcast_ref::<Self>()
+                .cloned()
+                .ok_or_else(other_kind)
+        };
+        question.of(&bifurcation::along(family, range)
+            .named(name)
+            .with_search(search))
+    }
+    fn any(&self) -> &dyn Any {
+        self
+    }
+}
+
+impl<L: FrictionLaw + Clone + Send + Sync + 'static> Belt for PhysicalMassOnBelt<L> {
+    fn simulate_until(
+        &self,
+        integrator: Integrator,
+        start: State,
+        duration: f64,
+        stop: &mut dyn FnMut(&Step) -> Option<f64>,
+    ) -> Result<Trajectory, Error> {
+        self.simulate_until(integrator, start, duration, stop)
+    }
+    fn stick_limits(&self) -> [f64; 2] {
+        self.stick_limits()
+    }
+    fn release_state(&self) -> Option<State> {
+        self.release_state()
+    }
+    fn friction_force(&self, state: State) -> f64 {
+        self.friction_force(state)
+    }
+    fn acceleration(&self, state: State) -> f64 {
+        self.acceleration(state)
+    }
+    fn equilibrium(&self) -> Option<stick_slip::Equilibrium> {
+        self.equilibrium()
+    }
+    fn structure(&self) -> Result<Structure, Error> {
+        Structure::try_from(self)
+    }
+    fn cycles(&self) -> Result<CycleSet, Error> {
+        self.cycles()
+    }
+    fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
+        self.stick_slip()
+    }
+    fn attractors(&self, starts: &[State]) -> Result<Vec<Attractor>, Error> {
+        let basins = self.basins()?;
+        starts
+            .iter()
+            .map(|start| basins.attractor(*start))
+            .collect()
+    }
+    fn velocities(
+        &self,
+        border: Border,
+        range: Range<f64>,
+        search: Search<'_>,
+    ) -> Result<Vec<f64>, Error> {
+        let along = |system: &MassOnBelt<Scaled<L>>, range| {
+            border.of(&bifurcation::along_velocities(system, range).with_search(search))
+        };
+        self.velocities(along, range)
+    }
+    fn ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
+        self.vibration_ranges(range)
+    }
+    fn criticality(&self, velocity: f64) -> Criticality {
+        self.criticality(velocity)
+    }
+    fn point(&self, velocity: f64) -> Result<DiagramPoint, Error> {
+        self.diagram([velocity])
+            .next()
+            .expect("one velocity, one point")
+    }
+    fn silencing(&self, of: Silencing) -> Result<f64, Error> {
+        match of {
+            Silencing::Damping => self.silencing_damping(),
+            Silencing::Load => self.silencing_load(),
+            Silencing::Stiffness => self.silencing_stiffness(),
+        }
+    }
+    fn along(
+        &self,
+        question: Question,
+        family: &BeltFamily<'_>,
+        range: Range<f64>,
+        name: &'static str,
+        search: Search<'_>,
+    ) -> Result<Answer, Error> {
+        let family = |value: f64| {
+            let system = family(value)?;
+            let system = system.any().downcast_ref::<Self>().ok_or_else(other_kind)?;
+            Ok(system.dimensionless().clone())
+        };
+        question.of(&bifurcation::along(family, range)
+            .named(name)
+            .with_search(search))
+    }
+    fn any(&self) -> &dyn Any {
+        self
+    }
+}
+
+record! {
+    /// Steady sliding of a mass on a belt.
+    ///
+    /// >>> from stick_slip import MassOnBelt, Polynomial
+    /// >>> MassOnBelt(Polynomial(0.4, 0.25, 0.5), 0.6, damping=0.05).equilibrium.stability
+    /// 'stable focus'
+    Equilibrium {
+        /// The displacement, in units of displacement.
+        displacement: f64,
+        /// The two eigenvalues of the linearized equations, per unit of time.
+        eigenvalues: ComplexNumbers,
+        /// "stable focus", "stable node", "centre", "unstable focus" or "unstable node".
+        stability: String,
+        /// True if small perturbations decay.
+        is_stable: bool,
+    }
+}
+
+impl From<stick_slip::Equilibrium> for Equilibrium {
+    fn from(equilibrium: stick_slip::Equilibrium) -> Self {
+        Self {
+            displacement: equilibrium.displacement,
+            eigenvalues: ComplexNumbers(equilibrium.eigenvalues.to_vec()),
+            stability: equilibrium.stability.to_string(),
+            is_stable: equilibrium.is_stable(),
+        }
+    }
+}
+
+/// A dimensionless mass on a moving belt, held by a spring and a damper:
+///
+/// u'' + 2 beta u' + u + gamma^2 mu(u' - v_b) = 0.
+///
+/// Args:
+///     law: the friction law, over dimensionless speeds.
+///     belt_velocity: v_b, dimensionless, of either sign.
+///     damping: beta, the damping ratio, >= 0.
+///     load: gamma^2, the friction load, > 0.
+///
+/// >>> from stick_slip import MassOnBelt, Polynomial
+/// >>> system = MassOnBelt(Polynomial(0.4, 0.25, 0.5), 0.2, damping=0.05)
+/// >>> system
+/// MassOnBelt(Polynomial(0.4, 0.25, 0.5), 0.2, damping=0.05, load=1.0)
+/// >>> len(system.simulate((0.0, 0.0), 10.0).events)
+/// 4
+#[pyclass(frozen, name = "MassOnBelt", module = "stick_slip")]
+pub struct PyBelt {
+    pub system: Arc<dyn Belt>,
+    law: Py<PyLaw>,
+    belt_velocity: f64,
+    damping: f64,
+    load: f64,
+}
+
+/// A mass on a moving belt in SI units: kilograms, newtons, metres, seconds.
+///
+/// Args:
+///     law: the friction law, over speeds in m/s.
+///     mass: in kg, > 0.
+///     stiffness: of the spring, in N/m, > 0.
+///     normal_force: in N, > 0.
+///     belt_velocity: in m/s, of either sign.
+///     damping: of the damper, in N s/m, >= 0.
+///
+/// >>> from stick_slip import Exponential, PhysicalMassOnBelt
+/// >>> brake = PhysicalMassOnBelt(Exponential(0.4, 0.25, 0.05), mass=2.0, stiffness=800.0,
+/// ...     normal_force=20.0, belt_velocity=0.03, damping=1.0)
+/// >>> motion = brake.simulate((0.0, 0.0), 1.0)
+/// >>> motion.duration
+/// 1.0
+#[pyclass(frozen, name = "PhysicalMassOnBelt", module = "stick_slip")]
+pub struct PyPhysicalBelt {
+    pub system: Arc<dyn Belt>,
+    law: Py<PyLaw>,
+    physical: Physical,
+}
+
+/// Either class.
+#[derive(FromPyObject)]
+pub enum BeltArgument<'py> {
+    #[pyo3(transparent)]
+    Belt(Bound<'py, PyBelt>),
+    #[pyo3(transparent)]
+    Physical(Bound<'py, PyPhysicalBelt>),
+}
+
+impl BeltArgument<'_> {
+    pub fn system(&self) -> Arc<dyn Belt> {
+        match self {
+            Self::Belt(belt) => belt.get().system.clone(),
+            Self::Physical(belt) => belt.get().system.clone(),
+        }
+    }
+}
+
+fn simulate(
+    py: Python<'_>,
+    system: &dyn Belt,
+    start: State,
+    duration: f64,
+    settings: &Settings,
+) -> PyResult<PyMotion> {
+    let (motion, exception) = py.detach(|| {
+        let waiting = Waiting::new();
+        let integrator = settings.integrator();
+        let motion = integrator.and_then(|integrator| {
+            let mut stop = settings.stop(&waiting, |until, state: &State| {
+                until.call1((state.displacement, state.velocity))
+            });
+            system.simulate_until(integrator, start, duration, &mut stop)
+        });
+        (motion, waiting.into_exception())
+    });
+    let motion = AnyMotion::Belt(Arc::new(motion.or_raise()?));
+    if let Some(exception) = exception {
+        exception
+            .value(py)
+            .setattr("found", PyMotion(motion).into_pyobject(py)?)?;
+        return Err(exception);
+    }
+    ended_well(py, motion)
+}
+
+/// The methods of both classes.
+macro_rules! belt_methods {
+    ($class:ident { $($own:tt)* }) => {
+        #[pymethods]
+        impl $class {
+            $($own)*
+
+            /// The law.
+            #[getter]
+            fn law(&self, py: Python<'_>) -> Py<PyLaw> {
+                self.law.clone_ref(py)
+            }
+
+            /// The least and the largest displacement at which the mass sticks.
+            #[getter]
+            fn stick_limits(&self) -> (f64, f64) {
+                let [low, high] = self.system.stick_limits();
+                (low, high)
+            }
+
+            /// The state (u, v) at which stick ends; None if it never does (a belt at rest).
+            #[getter]
+            fn release_state(&self) -> Option<(f64, f64)> {
+                let state = self.system.release_state()?;
+                Some((state.displacement, state.velocity))
+            }
+
+            /// Steady sliding and its stability; None on a belt at rest.
+            #[getter]
+            fn equilibrium(&self) -> Option<Equilibrium> {
+                self.system.equilibrium().map(Equilibrium::from)
+            }
+
+            /// The friction force on the mass in a state (u, v), in units of force.
+            fn friction_force(&self, state: BeltStart) -> f64 {
+                self.system.friction_force(state.0)
+            }
+
+            /// The acceleration in a state (u, v), in units of velocity per time.
+            fn acceleration(&self, state: BeltStart) -> f64 {
+                self.system.acceleration(state.0)
+            }
+
+            /// The same system as a `Structure` of one mass.
+            fn structure(&self) -> PyResult<PyStructure> {
+                self.system.structure().or_raise().map(PyStructure::of)
+            }
+
+            /// The motion from a start.
+            ///
+            /// Args:
+            ///     start: (u, v), displacement and velocity, in the units of the system.
+            ///     duration: in units of time, >= 0.
+            ///     tolerance: of the integrator, 1e-16 to 1e-2, relative to the motion's scale;
+            ///         round-off if it is None.
+            ///     max_steps: largest number of integration steps.
+            ///     max_events: largest number of events.
+            ///     until: a function of (u, v), two numbers; the motion ends where its value
+            ///         passes 0.
+            ///
+            /// Returns:
+            ///     The Motion. KeyboardInterrupt and errors carry the motion so far as `found`.
+            #[pyo3(signature = (start, duration, *, tolerance = None, max_steps = None,
+                max_events = None, until = None))]
+            #[allow(clippy::too_many_arguments)]
+            fn simulate(
+                &self,
+                py: Python<'_>,
+                start: BeltStart,
+                duration: f64,
+                tolerance: Option<f64>,
+                max_steps: Option<usize>,
+                max_events: Option<usize>,
+                until: Option<Py<PyAny>>,
+            ) -> PyResult<PyMotion> {
+                let settings =
+                    Settings { tolerance, max_steps, max_events, start_time: 0.0, until };
+                simulate(py, &*self.system, start.0, duration, &settings)
+            }
+        }
+    };
+}
+
+belt_methods!(PyBelt {
+    #[new]
+    #[pyo3(signature = (law, belt_velocity, *, damping = 0.0, load = 1.0))]
+    fn new(law: Py<PyLaw>, belt_velocity: f64, damping: f64, load: f64) -> PyResult<Self> {
+        let system = law.get().kind.belt(belt_velocity, damping, load).or_raise()?;
+        Ok(Self { system, law, belt_velocity, damping, load })
+    }
+
+    /// The belt velocity v_b, dimensionless.
+    #[getter]
+    fn belt_velocity(&self) -> f64 {
+        self.belt_velocity
+    }
+
+    /// The damping ratio beta.
+    #[getter]
+    fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    /// The friction load gamma^2.
+    #[getter]
+    fn load(&self) -> f64 {
+        self.load
+    }
+
+    /// The same system with other numbers.
+    ///
+    /// >>> from stick_slip import Coulomb, MassOnBelt
+    /// >>> MassOnBelt(Coulomb(0.4, 0.25), 0.2).replace(load=2.0)
+    /// MassOnBelt(Coulomb(0.4, 0.25), 0.2, damping=0.0, load=2.0)
+    #[pyo3(signature = (*, belt_velocity = None, damping = None, load = None))]
+    fn replace(
+        &self,
+        py: Python<'_>,
+        belt_velocity: Option<f64>,
+        damping: Option<f64>,
+        load: Option<f64>,
+    ) -> PyResult<Self> {
+        Self::new(
+            self.law.clone_ref(py),
+            belt_velocity.unwrap_or(self.belt_velocity),
+            damping.unwrap_or(self.damping),
+            load.unwrap_or(self.load),
+        )
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "MassOnBelt({}, {}, damping={}, load={})",
+            self.law.get().text(),
+            float(self.belt_velocity),
+            float(self.damping),
+            float(self.load)
+        )
+    }
+});
+
+belt_methods!(PyPhysicalBelt {
+    #[new]
+    #[pyo3(signature = (law, *, mass, stiffness, normal_force, belt_velocity, damping = 0.0))]
+    fn new(
+        law: Py<PyLaw>,
+        mass: f64,
+        stiffness: f64,
+        normal_force: f64,
+        belt_velocity: f64,
+        damping: f64,
+    ) -> PyResult<Self> {
+        let physical = Physical { mass, stiffness, damping, normal_force, belt_velocity };
+        let system = law.get().kind.physical(physical).or_raise()?;
+        Ok(Self { system, law, physical })
+    }
+
+    /// The mass, in kg.
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.physical.mass
+    }
+
+    /// The stiffness of the spring, in N/m.
+    #[getter]
+    fn stiffness(&self) -> f64 {
+        self.physical.stiffness
+    }
+
+    /// The damping constant, in N s/m.
+    #[getter]
+    fn damping(&self) -> f64 {
+        self.physical.damping
+    }
+
+    /// The normal force, in N.
+    #[getter]
+    fn normal_force(&self) -> f64 {
+        self.physical.normal_force
+    }
+
+    /// The belt velocity, in m/s.
+    #[getter]
+    fn belt_velocity(&self) -> f64 {
+        self.physical.belt_velocity
+    }
+
+    /// The same system with other numbers, in SI units.
+    #[pyo3(signature = (*, mass = None, stiffness = None, normal_force = None,
+        belt_velocity = None, damping = None))]
+    fn replace(
+        &self,
+        py: Python<'_>,
+        mass: Option<f64>,
+        stiffness: Option<f64>,
+        normal_force: Option<f64>,
+        belt_velocity: Option<f64>,
+        damping: Option<f64>,
+    ) -> PyResult<Self> {
+        let own = self.physical;
+        Self::new(
+            self.law.clone_ref(py),
+            mass.unwrap_or(own.mass),
+            stiffness.unwrap_or(own.stiffness),
+            normal_force.unwrap_or(own.normal_force),
+            belt_velocity.unwrap_or(own.belt_velocity),
+            damping.unwrap_or(own.damping),
+        )
+    }
+
+    fn __repr__(&self) -> String {
+        let own = self.physical;
+        format!(
+            "PhysicalMassOnBelt({}, mass={}, stiffness={}, normal_force={}, belt_velocity={}, \
+             damping={})",
+            self.law.get().text(),
+            float(own.mass),
+            float(own.stiffness),
+            float(own.normal_force),
+            float(own.belt_velocity),
+            float(own.damping)
+        )
+    }
+});

@@ -1,0 +1,317 @@
+//! Arguments and results: arrays, starts, directions, indices.
+
+use numpy::ndarray::{Array2, ArrayView2};
+use numpy::{
+    AllowTypeChange, Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayLike1,
+    PyArrayLike2,
+};
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stick_slip::{nalgebra, structure};
+
+/// Numbers that become a one-dimensional array in Python.
+#[derive(Clone, Debug)]
+pub struct Numbers(pub Vec<f64>);
+
+impl<'py> IntoPyObject<'py> for Numbers {
+    type Target = PyArray1<f64>;
+    type Output = Bound<'py, Self::Target>;
+    type Error = std::convert::Infallible;
+
+    fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Self::Error> {
+        Ok(self.0.into_pyarray(py))
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Numbers {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = object.extract::<f64>() {
+            return Ok(Self(vec![number]));
+        }
+        let array = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>();
+        let array = array.map_err(|_| {
+            PyTypeError::new_err(format!(
+                "expected a number or a one-dimensional array of numbers, not {}",
+                shown(&object)
+            ))
+        })?;
+        Ok(Self(array.as_array().to_vec()))
+    }
+}
+
+/// Complex numbers that become an array.
+#[derive(Clone, Debug)]
+pub struct ComplexNumbers(pub Vec<Complex64>);
+
+impl<'py> IntoPyObject<'py> for ComplexNumbers {
+    type Target = PyArray1<Complex64>;
+    type Output = Bound<'py, Self::Target>;
+    type Error = std::convert::Infallible;
+
+    fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Self::Error> {
+        Ok(self.0.into_pyarray(py))
+    }
+}
+
+/// Rows of equal length that become a two-dimensional array.
+#[derive(Clone, Debug)]
+pub struct Table {
+    rows: usize,
+    columns: usize,
+    numbers: Vec<f64>,
+}
+
+impl Table {
+    pub fn new(columns: usize) -> Self {
+        Self {
+            rows: 0,
+            columns,
+            numbers: Vec::new(),
+        }
+    }
+
+    pub fn with_rows(rows: usize, columns: usize) -> Self {
+        Self {
+            rows: 0,
+            columns,
+            numbers: Vec::with_capacity(rows * columns),
+        }
+    }
+
+    pub fn push(&mut self, row: &[f64]) {
+        self.numbers.extend_from_slice(row);
+        self.rows += 1;
+    }
+
+    pub fn push_nan(&mut self) {
+        self.numbers
+            .extend(std::iter::repeat_n(f64::NAN, self.columns));
+        self.rows += 1;
+    }
+
+    pub fn of(matrix: &nalgebra::DMatrix<f64>) -> Self {
+        let mut table = Self::with_rows(matrix.nrows(), matrix.ncols());
+        for i in 0..matrix.nrows() {
+            let row: Vec<f64> = (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect();
+            table.push(&row);
+        }
+        table
+    }
+}
+
+impl<'py> IntoPyObject<'py> for Table {
+    type Target = PyArray2<f64>;
+    type Output = Bound<'py, Self::Target>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        let array = Array2::from_shape_vec((self.rows, self.columns), self.numbers);
+        let array = array.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(array.into_pyarray(py))
+    }
+}
+
+/// A square matrix of Python as one of the crate.
+pub struct Matrix(pub nalgebra::DMatrix<f64>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Matrix {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = object.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>();
+        let array = array.map_err(|_| {
+            PyTypeError::new_err(format!(
+                "expected a two-dimensional array of numbers, not {}",
+                shown(&object)
+            ))
+        })?;
+        let array: ArrayView2<'_, f64> = array.as_array();
+        let (rows, columns) = array.dim();
+        let entry = |i, j| array[(i, j)];
+        Ok(Self(nalgebra::DMatrix::from_fn(rows, columns, entry)))
+    }
+}
+
+/// A number counted from 0: of a coordinate, a contact, an element of a sequence.
+#[derive(Clone, Copy, Debug)]
+pub struct Index(pub usize);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Index {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let number: i64 = object.extract()?;
+        usize::try_from(number).map(Self).map_err(|_| {
+            PyIndexError::new_err(format!(
+                "{number} is not allowed: coordinates and contacts are counted from 0"
+            ))
+        })
+    }
+}
+
+/// A direction: a coordinate, a mapping, or pairs of a coordinate and its coefficient.
+#[derive(Clone, Debug)]
+pub struct Direction(pub Vec<(usize, f64)>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Direction {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = object.extract::<i64>() {
+            let Index(coordinate) = number.into_pyobject(object.py())?.extract()?;
+            return Ok(Self(vec![(coordinate, 1.0)]));
+        }
+        let pairs: Vec<(Index, f64)> = if let Ok(mapping) = object.cast::<PyDict>() {
+            mapping.items().extract()?
+        } else {
+            object.extract().map_err(|error: PyErr| {
+                if error.is_instance_of::<PyIndexError>(object.py()) {
+                    return error;
+                }
+                PyTypeError::new_err(format!(
+                    "a direction is a coordinate, a dict {{coordinate: coefficient}} or a list of \
+                     pairs (coordinate, coefficient), not {}",
+                    shown(&object)
+                ))
+            })?
+        };
+        let pairs = pairs.into_iter().map(|(Index(i), factor)| (i, factor));
+        Ok(Self(pairs.collect()))
+    }
+}
+
+/// Pairs of numbers: the points of a table or of a profile, as pairs or as an array of two columns.
+pub struct Points(pub Vec<(f64, f64)>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Points {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = object.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>();
+        let pairs = array.ok().filter(|array| array.as_array().ncols() == 2);
+        let pairs = pairs.ok_or_else(|| {
+            PyTypeError::new_err(format!(
+                "expected pairs of numbers, as in [(0, 0.4), (1, 0.3)], not {}",
+                shown(&object)
+            ))
+        })?;
+        let pairs = pairs.as_array();
+        Ok(Self(
+            pairs
+                .rows()
+                .into_iter()
+                .map(|row| (row[0], row[1]))
+                .collect(),
+        ))
+    }
+}
+
+/// The start of a mass on a belt.
+#[derive(Clone, Copy)]
+pub struct BeltStart(pub stick_slip::State);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for BeltStart {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok((u, v)) = object.extract::<(f64, f64)>() {
+            return Ok(Self(stick_slip::State::new(u, v)));
+        }
+        match object
+            .extract::<Numbers>()
+            .map(|numbers| numbers.0)
+            .as_deref()
+        {
+            Ok(&[u, v]) => Ok(Self(stick_slip::State::new(u, v))),
+            _ => Err(PyTypeError::new_err(format!(
+                "a start is a pair (displacement, velocity), not {}",
+                shown(&object)
+            ))),
+        }
+    }
+}
+
+/// The state of a structure: (displacements, velocities) or (displacements, velocities, memory),
+/// each a number or an array.
+#[derive(Clone)]
+pub struct Start(pub structure::State);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Start {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let bad = || {
+            PyTypeError::new_err(format!(
+                "a start is a pair (displacements, velocities), or three arrays (displacements, \
+                 velocities, memory), not {}",
+                shown(&object)
+            ))
+        };
+        let parts: Vec<Numbers> = object.extract().map_err(|_| bad())?;
+        match &parts[..] {
+            [q, v] => Ok(Self(structure::State::new(&q.0, &v.0))),
+            [q, v, memory] => Ok(Self(
+                structure::State::new(&q.0, &v.0).with_memory(&memory.0),
+            )),
+            _ => Err(bad()),
+        }
+    }
+}
+
+/// The text of an object in a message, at most a line.
+fn shown(object: &Borrowed<'_, '_, PyAny>) -> String {
+    let text = object
+        .repr()
+        .map(|text| text.to_string())
+        .unwrap_or_default();
+    let kind = object
+        .get_type()
+        .name()
+        .map(|name| name.to_string())
+        .unwrap_or_default();
+    let text: String = text.chars().take(60).collect();
+    format!("{text} ({kind})")
+}
+
+/// Evaluates a function of one number for a number or for an array of any shape.
+pub fn elementwise<'py>(
+    argument: &Bound<'py, PyAny>,
+    function: impl Fn(f64) -> f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = argument.py();
+    if let Ok(number) = argument.extract::<f64>() {
+        return Ok(function(number).into_pyobject(py)?.into_any());
+    }
+    let array = argument.extract::<numpy::PyArrayLikeDyn<'_, f64, AllowTypeChange>>()?;
+    let result = array.as_array().mapv(function);
+    let result: Bound<'py, PyArrayDyn<f64>> = result.into_pyarray(py);
+    Ok(result.into_any())
+}
+
+/// A float as Python writes it.
+pub fn float(number: f64) -> String {
+    if number.is_nan() {
+        "nan".to_owned()
+    } else if number.is_infinite() {
+        if number > 0.0 { "inf" } else { "-inf" }.to_owned()
+    } else {
+        format!("{number:?}")
+    }
+}
+
+/// At most so many characters of a float, for lines that are read and not computed with.
+pub fn short(number: f64) -> String {
+    let text = float(number);
+    if text.len() <= 10 {
+        return text;
+    }
+    let size = number.abs();
+    if (1e-3..1e5).contains(&size) {
+        format!("{number:.6}")
+    } else {
+        format!("{number:.5e}")
+    }
+}

@@ -1,0 +1,223 @@
+//! `Drive`: functions of time.
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use stick_slip::{Drive, Error};
+
+use crate::convert::{Points, elementwise, float};
+use crate::error::OrRaise;
+use crate::traced::{TracedTime, pieces_of};
+
+/// One term of a drive.
+#[derive(Clone, Debug, PartialEq)]
+enum Term {
+    Constant(f64),
+    Harmonic(f64, f64, f64),
+    Sine(f64, f64),
+    Profile(Vec<(f64, f64)>),
+    Function(TracedTime, String),
+}
+
+impl Term {
+    fn add(&self, drive: Drive) -> Result<Drive, Error> {
+        match self {
+            Self::Constant(value) => drive.with_constant(*value),
+            Self::Harmonic(amplitude, frequency, phase) => {
+                drive.with_harmonic(*amplitude, *frequency, *phase)
+            }
+            Self::Sine(amplitude, frequency) => drive.with_sine(*amplitude, *frequency),
+            Self::Profile(points) => drive.with_profile(points),
+            Self::Function(function, _) => drive.with_function(function.clone()),
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::Constant(value) => float(*value),
+            Self::Harmonic(amplitude, frequency, phase) => format!(
+                "Drive.harmonic({}, {}, phase={})",
+                float(*amplitude),
+                float(*frequency),
+                float(*phase)
+            ),
+            Self::Sine(amplitude, frequency) => {
+                format!("Drive.sine({}, {})", float(*amplitude), float(*frequency))
+            }
+            Self::Profile(points) => format!("Drive.profile(<{} points>)", points.len()),
+            Self::Function(_, text) => text.clone(),
+        }
+    }
+}
+
+/// A function of time: a force, a load or the velocity of a belt. The sum of constants, harmonics,
+/// profiles and functions of your own; wherever a drive is taken, a number is too.
+///
+/// >>> from stick_slip import Drive
+/// >>> force = 2.0 + Drive.harmonic(0.5, 3.0)
+/// >>> force(0.0)
+/// 2.5
+/// >>> force
+/// Drive.harmonic(0.5, 3.0, phase=0.0) + 2.0
+#[pyclass(frozen, name = "Drive", module = "stick_slip")]
+pub struct PyDrive {
+    pub drive: Drive,
+    terms: Vec<Term>,
+}
+
+impl PyDrive {
+    fn of(terms: Vec<Term>) -> PyResult<Self> {
+        let drive = terms
+            .iter()
+            .try_fold(Drive::constant(0.0), |drive, term| term.add(drive));
+        Ok(Self {
+            drive: drive.or_raise()?,
+            terms,
+        })
+    }
+}
+
+#[pymethods]
+impl PyDrive {
+    /// A constant, in the units of what is driven.
+    #[staticmethod]
+    fn constant(value: f64) -> PyResult<Self> {
+        Self::of(vec![Term::Constant(value)])
+    }
+
+    /// amplitude * cos(omega * t + phase).
+    ///
+    /// Args:
+    ///     amplitude: in the units of what is driven.
+    ///     omega: the angular frequency, in radians per unit of time, >= 0.
+    ///     phase: in radians.
+    #[staticmethod]
+    #[pyo3(signature = (amplitude, omega, phase = 0.0))]
+    fn harmonic(amplitude: f64, omega: f64, phase: f64) -> PyResult<Self> {
+        Self::of(vec![Term::Harmonic(amplitude, omega, phase)])
+    }
+
+    /// amplitude * sin(omega * t), which is 0 at t = 0 to the bit.
+    #[staticmethod]
+    fn sine(amplitude: f64, omega: f64) -> PyResult<Self> {
+        Self::of(vec![Term::Sine(amplitude, omega)])
+    }
+
+    /// Straight lines between points (time, value), constant before and after them. Two points of
+    /// one time are a jump.
+    ///
+    /// >>> from stick_slip import Drive
+    /// >>> Drive.profile([(1.0, 0.0), (2.0, 4.0)])([0.0, 1.5, 9.0])
+    /// array([0., 2., 4.])
+    #[staticmethod]
+    fn profile(points: Points) -> PyResult<Self> {
+        Self::of(vec![Term::Profile(points.0)])
+    }
+
+    /// A function of time of your own, such as a chirp or a shock: recorded like a `Law`.
+    ///
+    /// Args:
+    ///     function: of the time; with breakpoints a list of functions, one for each piece.
+    ///     size: the largest value, or an estimate of it.
+    ///     timescale: the shortest time in which the function changes noticeably: 1/omega of a
+    ///         harmonic, the width of a bump; inf for a polynomial.
+    ///     breakpoints: the times, ascending, at which pieces meet.
+    ///     period: if the function has one; times then count from the start of each period.
+    ///
+    /// >>> import numpy as np
+    /// >>> from stick_slip import Drive
+    /// >>> chirp = Drive.function(lambda t: np.cos(0.01 * t**2), size=1.0, timescale=0.5)
+    /// >>> chirp(10.0) == np.cos(1.0)
+    /// np.True_
+    #[staticmethod]
+    #[pyo3(signature = (function, *, size, timescale, breakpoints = Vec::new(), period = None))]
+    fn function(
+        py: Python<'_>,
+        function: &Bound<'_, PyAny>,
+        size: f64,
+        timescale: f64,
+        breakpoints: Vec<f64>,
+        period: Option<f64>,
+    ) -> PyResult<Self> {
+        let (pieces, shown) = pieces_of(py, function, &breakpoints, &["t"])?;
+        let (pieces, breakpoints) = (pieces.into(), breakpoints.into());
+        let function = TracedTime {
+            pieces,
+            breakpoints,
+            size,
+            timescale,
+            period,
+        };
+        let text = format!(
+            "Drive.function({shown}, size={}, timescale={})",
+            float(size),
+            float(timescale)
+        );
+        Self::of(vec![Term::Function(function, text)])
+    }
+
+    /// The value at a time, or at an array of times.
+    fn __call__<'py>(&self, time: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        elementwise(time, |time| self.drive.value(time))
+    }
+
+    /// The derivative by time, after a kink or jump if at one.
+    fn slope<'py>(&self, time: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        elementwise(time, |time| self.drive.slope(time))
+    }
+
+    /// The period, in units of time; None for a constant, a profile, or frequencies without a
+    /// common period.
+    #[getter]
+    fn period(&self) -> Option<f64> {
+        self.drive.period()
+    }
+
+    fn __add__(&self, other: DriveArgument<'_>) -> PyResult<Self> {
+        let mut terms = self.terms.clone();
+        match other {
+            DriveArgument::Drive(other) => terms.extend_from_slice(&other.get().terms),
+            DriveArgument::Number(value) => terms.push(Term::Constant(value)),
+        }
+        Self::of(terms)
+    }
+
+    fn __radd__(&self, other: f64) -> PyResult<Self> {
+        self.__add__(DriveArgument::Number(other))
+    }
+
+    fn __repr__(&self) -> String {
+        self.terms
+            .iter()
+            .map(Term::text)
+            .collect::<Vec<_>>()
+            .join(" + ")
+    }
+}
+
+/// A drive, or a number for a constant one.
+pub enum DriveArgument<'py> {
+    Drive(Bound<'py, PyDrive>),
+    Number(f64),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for DriveArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(drive) = object.cast::<PyDrive>() {
+            return Ok(Self::Drive(drive.to_owned()));
+        }
+        object.extract().map(Self::Number).map_err(|_| {
+            PyTypeError::new_err("expected a number or a Drive, such as Drive.harmonic(1.0, 2.0)")
+        })
+    }
+}
+
+impl DriveArgument<'_> {
+    pub fn drive(&self) -> Drive {
+        match self {
+            Self::Drive(drive) => drive.get().drive.clone(),
+            Self::Number(value) => Drive::constant(*value),
+        }
+    }
+}

@@ -1,0 +1,756 @@
+//! Friction laws: `Law`, and `ContactLaw` with memory.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use stick_slip::{
+    AnyLaw, Contact, Coulomb, Dahl, Drive, Dwell, Error, Exponential, FrictionLaw, LuGre,
+    MassOnBelt, Physical, PhysicalMassOnBelt, Polynomial, Rational, Stribeck, Tabulated,
+};
+
+use crate::belt::Belt;
+use crate::convert::{Points, elementwise, float};
+use crate::error::OrRaise;
+use crate::traced::{Traced, pieces_of};
+
+/// Runs an expression with the law of either kind, so that each keeps the crate's own code.
+macro_rules! with_law {
+    ($kind:expr, $law:ident => $result:expr) => {
+        match $kind {
+            Kind::Named($law) => $result,
+            Kind::Traced($law) => $result,
+        }
+    };
+}
+
+/// Where a law comes from.
+#[derive(Clone)]
+pub enum Kind {
+    /// A law of the crate.
+    Named(AnyLaw),
+    /// A function of a user.
+    Traced(Traced),
+}
+
+impl Kind {
+    pub fn belt(
+        &self,
+        belt_velocity: f64,
+        damping: f64,
+        load: f64,
+    ) -> Result<std::sync::Arc<dyn Belt>, Error> {
+        with_law!(self, law => {
+            let system = MassOnBelt::new(law.clone(), belt_velocity)?;
+            Ok(std::sync::Arc::new(system.with_damping(damping)?.with_load(load)?))
+        })
+    }
+
+    pub fn physical(&self, physical: Physical) -> Result<std::sync::Arc<dyn Belt>, Error> {
+        with_law!(self, law => {
+            Ok(std::sync::Arc::new(PhysicalMassOnBelt::new(physical, law.clone())?))
+        })
+    }
+
+    fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
+        with_law!(self, law => Contact::along(direction, law.clone(), load))
+    }
+}
+
+/// A friction law without memory: the friction coefficient as a function of the sliding speed.
+///
+/// A law of your own is a function of the speed, written with +, -, *, /, ** and numpy's exp, log,
+/// sqrt, tanh, arctan, sin, cos, abs, square and reciprocal. It is called once, with a symbol, and
+/// recorded; the crate then differentiates it exactly. It must be analytic from speed 0 on.
+///
+/// Args:
+///     function: the kinetic coefficient as a function of the sliding speed (>= 0, in the units
+///         of the system: dimensionless, or m/s). With breakpoints a list of functions, one for
+///         each piece, from the lowest speeds on.
+///     static: the static coefficient, at least the kinetic one at speed 0; dimensionless.
+///     breakpoints: the speeds, ascending, at which the pieces meet.
+///
+/// Raises:
+///     TypeError: if the function branches on the speed, compares it, or uses a function that
+///         cannot be recorded.
+///     ParameterError: if the static coefficient is below the kinetic one at speed 0.
+///
+/// >>> import numpy as np
+/// >>> from stick_slip import Law
+/// >>> law = Law(lambda s: 0.3 + 0.2 * np.exp(-s / 0.1), static=0.55)
+/// >>> round(law.kinetic(0.1), 15)
+/// 0.373575888234288
+/// >>> law.slope(0.0)
+/// -2.0
+/// >>> flat = Law([lambda s: 0.4 - 0.1 * s, lambda s: 0.3 + 0 * s], static=0.4, breakpoints=[1.0])
+/// >>> flat.kinetic([0.5, 2.0])
+/// array([0.35, 0.3 ])
+#[pyclass(frozen, name = "Law", module = "stick_slip")]
+pub struct PyLaw {
+    pub kind: Kind,
+    text: String,
+}
+
+impl PyLaw {
+    /// How the law was made.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    fn named(law: impl Into<AnyLaw>) -> Self {
+        let law = law.into();
+        Self {
+            text: text(&law),
+            kind: Kind::Named(law),
+        }
+    }
+}
+
+#[pymethods]
+impl PyLaw {
+    #[new]
+    #[pyo3(signature = (function, *, r#static, breakpoints = Vec::new()))]
+    fn new(
+        py: Python<'_>,
+        function: &Bound<'_, PyAny>,
+        r#static: f64,
+        breakpoints: Vec<f64>,
+    ) -> PyResult<Self> {
+        let (pieces, shown) = pieces_of(py, function, &breakpoints, &["s"])?;
+        let law = Traced::new(r#static, pieces, breakpoints.clone());
+        law.check().or_raise()?;
+        let breakpoints = if breakpoints.is_empty() {
+            String::new()
+        } else {
+            format!(", breakpoints={breakpoints:?}")
+        };
+        let text = format!("Law({shown}, static={}{breakpoints})", float(r#static));
+        Ok(Self {
+            kind: Kind::Traced(law),
+            text,
+        })
+    }
+
+    /// The static coefficient, dimensionless: friction in stick is at most this times the load.
+    #[getter]
+    fn static_coefficient(&self) -> f64 {
+        with_law!(&self.kind, law => law.static_coefficient())
+    }
+
+    /// The speeds at which pieces of the law meet.
+    #[getter]
+    fn breakpoints(&self) -> Vec<f64> {
+        with_law!(&self.kind, law => law.breakpoints().collect())
+    }
+
+    /// The kinetic coefficient at sliding speeds >= 0; dimensionless.
+    ///
+    /// Args:
+    ///     speed: a number or an array, in the units of the system.
+    ///
+    /// >>> from stick_slip import Polynomial
+    /// >>> Polynomial(0.4, 0.25, 0.5).kinetic([0.0, 0.5])
+    /// array([0.4 , 0.25])
+    fn kinetic<'py>(&self, speed: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        with_law!(&self.kind, law => elementwise(speed, |speed| law.kinetic(speed)))
+    }
+
+    /// The derivative of the kinetic coefficient by the speed, above a breakpoint if at one.
+    ///
+    /// >>> from stick_slip import Polynomial
+    /// >>> Polynomial(0.4, 0.25, 0.5).slope(0.0)
+    /// -0.45000000000000007
+    fn slope<'py>(&self, speed: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        with_law!(&self.kind, law => elementwise(speed, |speed| law.slope(speed)))
+    }
+
+    /// The friction coefficient with its sign at a relative velocity of any sign; 0 at 0.
+    ///
+    /// >>> from stick_slip import Coulomb
+    /// >>> Coulomb(0.4, 0.25).coefficient(-1.0)
+    /// -0.25
+    fn coefficient<'py>(&self, velocity: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        with_law!(&self.kind, law => elementwise(velocity, |v| law.coefficient(v)))
+    }
+
+    /// The n-th derivative of the kinetic coefficient at a speed; nan for n beyond 23.
+    ///
+    /// >>> from stick_slip import Polynomial
+    /// >>> round(Polynomial(0.4, 0.25, 0.5).derivative(3, 0.1), 14)
+    /// 3.6
+    fn derivative(&self, n: usize, speed: f64) -> f64 {
+        with_law!(&self.kind, law => law.derivative(n, speed))
+    }
+
+    /// Looks for faults of the law between two speeds: jumps, kinks, values that are negative or
+    /// not finite, narrow features. Returns their descriptions; an empty list if there are none.
+    ///
+    /// >>> import numpy as np
+    /// >>> from stick_slip import Law
+    /// >>> [kink] = Law(lambda s: 0.3 + 0.1 * np.abs(s - 1), static=0.5).check(0.0, 3.0)
+    /// >>> kink.startswith("kink at speed 1.0")
+    /// True
+    fn check(&self, low: f64, high: f64) -> PyResult<Vec<String>> {
+        let faults = with_law!(&self.kind, law => stick_slip::check_law(law, low..high));
+        Ok(faults.or_raise()?.iter().map(ToString::to_string).collect())
+    }
+
+    fn __repr__(&self) -> &str {
+        &self.text
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let module = py.import("stick_slip")?;
+        let Kind::Named(law) = &self.kind else {
+            return Err(PyValueError::new_err(
+                "a law of your own is a function, which cannot be pickled: make the law anew in \
+                 each process",
+            ));
+        };
+        Ok(match law {
+            AnyLaw::Coulomb(law) => (
+                module.getattr("Coulomb")?,
+                (law.static_coefficient(), law.kinetic_coefficient()).into_pyobject(py)?,
+            ),
+            AnyLaw::Exponential(law) => (
+                module.getattr("Exponential")?,
+                (
+                    law.static_coefficient(),
+                    law.kinetic_coefficient(),
+                    law.stribeck_velocity(),
+                )
+                    .into_pyobject(py)?,
+            ),
+            AnyLaw::Polynomial(law) => (
+                module.getattr("Polynomial")?,
+                (
+                    law.static_coefficient(),
+                    law.minimum_coefficient(),
+                    law.minimum_velocity(),
+                )
+                    .into_pyobject(py)?,
+            ),
+            AnyLaw::Rational(law) => (
+                module.getattr("Rational")?,
+                (
+                    law.static_coefficient(),
+                    law.decay(),
+                    law.offset(),
+                    law.quadratic(),
+                )
+                    .into_pyobject(py)?,
+            ),
+            AnyLaw::Stribeck(law) => (
+                module.getattr("Stribeck")?,
+                (
+                    law.static_coefficient(),
+                    law.coulomb_coefficient(),
+                    law.stribeck_velocity(),
+                    law.exponent(),
+                    law.viscous_coefficient(),
+                )
+                    .into_pyobject(py)?,
+            ),
+            AnyLaw::Tabulated(law) => (
+                module.getattr("Tabulated")?,
+                (
+                    law.points().to_vec(),
+                    law.static_coefficient(),
+                    law.is_piecewise_linear(),
+                )
+                    .into_pyobject(py)?,
+            ),
+            _ => return Err(PyValueError::new_err("this law cannot be pickled")),
+        })
+    }
+}
+
+/// How a law of the crate is made.
+fn text(law: &AnyLaw) -> String {
+    match law {
+        AnyLaw::Coulomb(law) => format!(
+            "Coulomb({}, {})",
+            float(law.static_coefficient()),
+            float(law.kinetic_coefficient())
+        ),
+        AnyLaw::Exponential(law) => format!(
+            "Exponential({}, {}, {})",
+            float(law.static_coefficient()),
+            float(law.kinetic_coefficient()),
+            float(law.stribeck_velocity())
+        ),
+        AnyLaw::Polynomial(law) => format!(
+            "Polynomial({}, {}, {})",
+            float(law.static_coefficient()),
+            float(law.minimum_coefficient()),
+            float(law.minimum_velocity())
+        ),
+        AnyLaw::Rational(law) => format!(
+            "Rational({}, {}, offset={}, quadratic={})",
+            float(law.static_coefficient()),
+            float(law.decay()),
+            float(law.offset()),
+            float(law.quadratic())
+        ),
+        AnyLaw::Stribeck(law) => format!(
+            "Stribeck({}, {}, {}, {}, viscous_coefficient={})",
+            float(law.static_coefficient()),
+            float(law.coulomb_coefficient()),
+            float(law.stribeck_velocity()),
+            law.exponent(),
+            float(law.viscous_coefficient())
+        ),
+        AnyLaw::Tabulated(law) => format!(
+            "Tabulated(<{} points>, static_coefficient={})",
+            law.points().len(),
+            float(law.static_coefficient())
+        ),
+        _ => "Law(...)".to_owned(),
+    }
+}
+
+/// A constant kinetic coefficient: Coulomb's law with a static coefficient of its own.
+///
+/// Args:
+///     static_coefficient: dimensionless, >= kinetic_coefficient.
+///     kinetic_coefficient: dimensionless, >= 0.
+///
+/// >>> from stick_slip import Coulomb
+/// >>> Coulomb(0.4, 0.25)
+/// Coulomb(0.4, 0.25)
+#[pyfunction(name = "Coulomb")]
+pub fn coulomb(static_coefficient: f64, kinetic_coefficient: f64) -> PyResult<PyLaw> {
+    Coulomb::new(static_coefficient, kinetic_coefficient)
+        .or_raise()
+        .map(PyLaw::named)
+}
+
+/// The Gaussian Stribeck law mu_k + (mu_s - mu_k) exp(-(s/v_s)^2).
+///
+/// Args:
+///     static_coefficient: mu_s, dimensionless, also the kinetic coefficient at speed 0.
+///     kinetic_coefficient: mu_k, dimensionless, at large speeds.
+///     stribeck_velocity: v_s, in units of velocity, > 0.
+///
+/// >>> from stick_slip import Exponential
+/// >>> round(Exponential(0.4, 0.25, 0.5).kinetic(0.5), 15)
+/// 0.305181916175716
+#[pyfunction(name = "Exponential")]
+pub fn exponential(
+    static_coefficient: f64,
+    kinetic_coefficient: f64,
+    stribeck_velocity: f64,
+) -> PyResult<PyLaw> {
+    let law = Exponential::new(static_coefficient, kinetic_coefficient, stribeck_velocity);
+    law.or_raise().map(PyLaw::named)
+}
+
+/// The cubic law, with its least coefficient at one speed.
+///
+/// Args:
+///     static_coefficient: dimensionless, also the kinetic coefficient at speed 0.
+///     minimum_coefficient: the least kinetic coefficient, dimensionless.
+///     minimum_velocity: its speed, in units of velocity, > 0.
+///
+/// >>> from stick_slip import Polynomial
+/// >>> Polynomial(0.4, 0.25, 0.5).kinetic(0.5)
+/// 0.25
+#[pyfunction(name = "Polynomial")]
+pub fn polynomial(
+    static_coefficient: f64,
+    minimum_coefficient: f64,
+    minimum_velocity: f64,
+) -> PyResult<PyLaw> {
+    let law = Polynomial::new(static_coefficient, minimum_coefficient, minimum_velocity);
+    law.or_raise().map(PyLaw::named)
+}
+
+/// The hyperbolic law (mu_s - c)/(1 + decay s) + c + quadratic s^2.
+///
+/// Args:
+///     static_coefficient: mu_s, dimensionless.
+///     decay: per unit of velocity, >= 0.
+///     offset: c, dimensionless.
+///     quadratic: per unit of velocity squared, >= 0.
+///
+/// >>> from stick_slip import Rational
+/// >>> Rational(1.0, 3.0).kinetic(1.0)
+/// 0.25
+#[pyfunction(name = "Rational")]
+#[pyo3(signature = (static_coefficient, decay, offset = 0.0, quadratic = 0.0))]
+pub fn rational(
+    static_coefficient: f64,
+    decay: f64,
+    offset: f64,
+    quadratic: f64,
+) -> PyResult<PyLaw> {
+    let law = Rational::new(static_coefficient, decay)
+        .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic));
+    law.or_raise().map(PyLaw::named)
+}
+
+/// The Stribeck law mu_c + (mu_s - mu_c) exp(-(s/v_s)^n) + viscous s.
+///
+/// Args:
+///     static_coefficient: mu_s, dimensionless.
+///     coulomb_coefficient: mu_c, dimensionless, at large speeds.
+///     stribeck_velocity: v_s, in units of velocity, > 0.
+///     exponent: n, an integer >= 1.
+///     viscous_coefficient: per unit of velocity, >= 0.
+///
+/// >>> from stick_slip import Stribeck
+/// >>> Stribeck(0.4, 0.25, 0.5, 1).kinetic(0.0)
+/// 0.4
+#[pyfunction(name = "Stribeck")]
+#[pyo3(signature = (
+    static_coefficient,
+    coulomb_coefficient,
+    stribeck_velocity,
+    exponent,
+    viscous_coefficient = 0.0
+))]
+pub fn stribeck(
+    static_coefficient: f64,
+    coulomb_coefficient: f64,
+    stribeck_velocity: f64,
+    exponent: u32,
+    viscous_coefficient: f64,
+) -> PyResult<PyLaw> {
+    let law = Stribeck::new(
+        static_coefficient,
+        coulomb_coefficient,
+        stribeck_velocity,
+        exponent,
+    )
+    .and_then(|law| law.with_viscous_coefficient(viscous_coefficient));
+    law.or_raise().map(PyLaw::named)
+}
+
+/// Measured points, joined by monotone cubic pieces, or by straight lines.
+///
+/// Args:
+///     points: pairs (speed, coefficient) with ascending speeds, the first one 0; or an array of
+///         two columns.
+///     static_coefficient: dimensionless; the coefficient of the first point if it is None.
+///     piecewise_linear: join the points by straight lines.
+///
+/// >>> from stick_slip import Tabulated
+/// >>> law = Tabulated([(0.0, 0.4), (0.5, 0.3), (1.0, 0.25)], static_coefficient=0.45)
+/// >>> law.kinetic(0.5), law.static_coefficient
+/// (0.3, 0.45)
+#[pyfunction(name = "Tabulated")]
+#[pyo3(signature = (points, static_coefficient = None, piecewise_linear = false))]
+pub fn tabulated(
+    points: Points,
+    static_coefficient: Option<f64>,
+    piecewise_linear: bool,
+) -> PyResult<PyLaw> {
+    let Points(points) = points;
+    let law = if piecewise_linear {
+        Tabulated::piecewise_linear(points)
+    } else {
+        Tabulated::new(points)
+    };
+    let law = law.and_then(|law| match static_coefficient {
+        Some(coefficient) => law.with_static_coefficient(coefficient),
+        None => Ok(law),
+    });
+    law.or_raise().map(PyLaw::named)
+}
+
+/// A contact law with memory, for contacts of a `Structure`: see `Dwell`, `Dahl` and `LuGre`.
+#[pyclass(frozen, name = "ContactLaw", module = "stick_slip")]
+pub struct PyContactLaw {
+    law: Memory,
+    text: String,
+}
+
+/// A contact law with the type of its dry law.
+#[derive(Clone)]
+pub enum Memory {
+    /// With how static friction rises, which the crate's law does not tell.
+    DwellNamed(Dwell<AnyLaw>, Rise),
+    DwellTraced(Dwell<Traced>),
+    Dahl(Dahl),
+    LuGreNamed(LuGre<AnyLaw>),
+    LuGreTraced(LuGre<Traced>),
+}
+
+/// How static friction rises with the time in stick.
+#[derive(Clone, Copy)]
+pub struct Rise {
+    time: f64,
+    limit: Option<f64>,
+    rate: Option<f64>,
+    hyperbolic: bool,
+}
+
+impl Rise {
+    fn of<L: FrictionLaw>(self, law: L) -> PyResult<Dwell<L>> {
+        let Self {
+            time,
+            limit,
+            rate,
+            hyperbolic,
+        } = self;
+        match (limit, rate, hyperbolic) {
+            (Some(limit), None, false) => Dwell::exponential(law, limit, time).or_raise(),
+            (Some(limit), None, true) => Dwell::hyperbolic(law, limit, time).or_raise(),
+            (None, Some(rate), false) => Dwell::logarithmic(law, rate, time).or_raise(),
+            _ => Err(PyValueError::new_err(
+                "give limit (exponential form, or with hyperbolic=True), or rate (logarithmic)",
+            )),
+        }
+    }
+}
+
+impl PyContactLaw {
+    pub fn memory(&self) -> &Memory {
+        &self.law
+    }
+
+    /// The law with its dry law's own type, if that is Coulomb's.
+    pub fn dwell_of_coulomb(&self) -> Option<PyResult<Dwell<Coulomb>>> {
+        match &self.law {
+            Memory::DwellNamed(law, rise) => match law.law() {
+                AnyLaw::Coulomb(law) => Some(rise.of(*law)),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+#[pymethods]
+impl PyContactLaw {
+    /// The static coefficient after so much time in stick; dimensionless. None for a law without
+    /// stick (bristles).
+    ///
+    /// >>> from stick_slip import Coulomb, Dwell
+    /// >>> law = Dwell(Coulomb(0.3, 0.2), limit=0.5, time=2.0)
+    /// >>> law.static_coefficient(0.0), law.static_coefficient(float("inf"))
+    /// (0.3, 0.5)
+    fn static_coefficient(&self, rest: f64) -> Option<f64> {
+        match &self.law {
+            Memory::DwellNamed(law, _) => Some(law.static_coefficient(rest)),
+            Memory::DwellTraced(law) => Some(law.static_coefficient(rest)),
+            _ => None,
+        }
+    }
+
+    fn __repr__(&self) -> &str {
+        &self.text
+    }
+}
+
+/// Static friction that rises with the time in stick. Give `limit` or `rate`:
+///
+/// exponential: limit - (limit - mu_s) exp(-t/time);
+/// hyperbolic: mu_s + (limit - mu_s) t/(t + time);
+/// logarithmic: mu_s + rate ln(1 + t/time).
+///
+/// Args:
+///     law: the law in slip; its static coefficient mu_s is that of stick without delay.
+///     limit: the static coefficient after a long stick, dimensionless, >= mu_s.
+///     rate: the growth per unit of ln t, dimensionless, >= 0.
+///     time: the time constant, in units of time, > 0.
+///     hyperbolic: the hyperbolic form instead of the exponential one.
+///
+/// >>> from stick_slip import Coulomb, Dwell
+/// >>> Dwell(Coulomb(0.3, 0.2), rate=0.01, time=1.0)
+/// Dwell(Coulomb(0.3, 0.2), rate=0.01, time=1.0)
+#[pyfunction(name = "Dwell")]
+#[pyo3(signature = (law, *, time, limit = None, rate = None, hyperbolic = false))]
+pub fn dwell(
+    law: &PyLaw,
+    time: f64,
+    limit: Option<f64>,
+    rate: Option<f64>,
+    hyperbolic: bool,
+) -> PyResult<PyContactLaw> {
+    let rise = Rise {
+        time,
+        limit,
+        rate,
+        hyperbolic,
+    };
+    let mut text = format!("Dwell({}", law.text);
+    for (name, value) in [("limit", limit), ("rate", rate), ("time", Some(time))] {
+        if let Some(value) = value {
+            text += &format!(", {name}={}", float(value));
+        }
+    }
+    if hyperbolic {
+        text += ", hyperbolic=True";
+    }
+    text += ")";
+    let law = match &law.kind {
+        Kind::Named(law) => Memory::DwellNamed(rise.of(law.clone())?, rise),
+        Kind::Traced(law) => Memory::DwellTraced(rise.of(law.clone())?),
+    };
+    Ok(PyContactLaw { law, text })
+}
+
+/// Dahl's bristle model: elastic before it slides, without a static limit.
+///
+/// Args:
+///     coefficient: the coefficient in steady sliding, dimensionless, > 0.
+///     stiffness: of the bristles, per unit of displacement (force = load times coefficient).
+///
+/// >>> from stick_slip import Dahl
+/// >>> Dahl(0.3, 1e4)
+/// Dahl(0.3, 10000.0)
+#[pyfunction(name = "Dahl")]
+pub fn dahl(coefficient: f64, stiffness: f64) -> PyResult<PyContactLaw> {
+    let law = Memory::Dahl(Dahl::new(coefficient, stiffness).or_raise()?);
+    let text = format!("Dahl({}, {})", float(coefficient), float(stiffness));
+    Ok(PyContactLaw { law, text })
+}
+
+/// The LuGre bristle model.
+///
+/// Args:
+///     law: the friction in steady sliding, without the viscous term.
+///     stiffness: of the bristles, per unit of displacement.
+///     damping: of the bristles, per unit of velocity.
+///     viscous: the viscous coefficient, per unit of velocity.
+///
+/// >>> from stick_slip import Exponential, LuGre
+/// >>> LuGre(Exponential(0.4, 0.25, 0.5), 1e4, 10.0, viscous=0.1)
+/// LuGre(Exponential(0.4, 0.25, 0.5), 10000.0, 10.0, viscous=0.1)
+#[pyfunction(name = "LuGre")]
+#[pyo3(signature = (law, stiffness, damping, viscous = 0.0))]
+pub fn lugre(law: &PyLaw, stiffness: f64, damping: f64, viscous: f64) -> PyResult<PyContactLaw> {
+    let text = format!(
+        "LuGre({}, {}, {}, viscous={})",
+        law.text,
+        float(stiffness),
+        float(damping),
+        float(viscous)
+    );
+    let law = match &law.kind {
+        Kind::Named(law) => {
+            Memory::LuGreNamed(LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?)
+        }
+        Kind::Traced(law) => {
+            Memory::LuGreTraced(LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?)
+        }
+    };
+    Ok(PyContactLaw { law, text })
+}
+
+/// Either kind of law, as contacts take it.
+#[derive(FromPyObject)]
+pub enum ContactLawArgument<'py> {
+    #[pyo3(transparent)]
+    Dry(Bound<'py, PyLaw>),
+    #[pyo3(transparent)]
+    Memory(Bound<'py, PyContactLaw>),
+}
+
+impl ContactLawArgument<'_> {
+    pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
+        match self {
+            Self::Dry(law) => law.get().kind.contact(direction, load),
+            Self::Memory(law) => match law.get().law.clone() {
+                Memory::DwellNamed(law, _) => Contact::along(direction, law, load),
+                Memory::DwellTraced(law) => Contact::along(direction, law, load),
+                Memory::Dahl(law) => Contact::along(direction, law, load),
+                Memory::LuGreNamed(law) => Contact::along(direction, law, load),
+                Memory::LuGreTraced(law) => Contact::along(direction, law, load),
+            },
+        }
+    }
+
+    pub fn text(&self) -> &str {
+        match self {
+            Self::Dry(law) => &law.get().text,
+            Self::Memory(law) => &law.get().text,
+        }
+    }
+}
+
+/// Segalman's distribution of springs and sliders (four-parameter Iwan model), for
+/// `Contact.in_parallel`.
+///
+/// Args:
+///     slip_force: at which the whole joint slides, in units of force.
+///     stiffness: of the joint at small forces, force per displacement.
+///     exponent: chi, between -1 and 0 (not included).
+///     ratio: beta >= 0, of the elements that slide at the same displacement.
+///
+/// >>> from stick_slip import Iwan4
+/// >>> joint = Iwan4(100.0, 1e6, -0.5, 0.3)
+/// >>> len(joint.elements(20, 0.8))
+/// 21
+#[pyclass(frozen, module = "stick_slip")]
+pub struct Iwan4(pub stick_slip::Iwan4);
+
+#[pymethods]
+impl Iwan4 {
+    #[new]
+    fn new(slip_force: f64, stiffness: f64, exponent: f64, ratio: f64) -> PyResult<Self> {
+        stick_slip::Iwan4::new(slip_force, stiffness, exponent, ratio)
+            .or_raise()
+            .map(Self)
+    }
+
+    /// The force at which the whole joint slides, in units of force.
+    #[getter]
+    fn slip_force(&self) -> f64 {
+        self.0.slip_force()
+    }
+
+    /// Stiffness at small forces, force per displacement.
+    #[getter]
+    fn stiffness(&self) -> f64 {
+        self.0.stiffness()
+    }
+
+    /// The exponent chi of the distribution.
+    #[getter]
+    fn exponent(&self) -> f64 {
+        self.0.exponent()
+    }
+
+    /// The ratio beta.
+    #[getter]
+    fn ratio(&self) -> f64 {
+        self.0.ratio()
+    }
+
+    /// The displacement at which the last elements slide, in units of displacement.
+    #[getter]
+    fn largest_break_free(&self) -> f64 {
+        self.0.largest_break_free()
+    }
+
+    /// The force at first loading to a displacement; a number or an array.
+    fn backbone<'py>(&self, displacement: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        elementwise(displacement, |x| self.0.backbone(x))
+    }
+
+    /// The heat of a cycle of an amplitude, force times displacement; a number or an array.
+    fn dissipation<'py>(&self, amplitude: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        elementwise(amplitude, |x| self.0.dissipation(x))
+    }
+
+    /// Elements as pairs (stiffness, limit), for `Contact.in_parallel`: n of widths that grow by
+    /// 1/grid from one to the next (0 < grid < 1), and one more if ratio > 0.
+    fn elements(&self, n: usize, grid: f64) -> PyResult<Vec<(f64, f64)>> {
+        self.0.elements(n, grid).or_raise()
+    }
+
+    fn __repr__(&self) -> String {
+        let Self(joint) = self;
+        format!(
+            "Iwan4(slip_force={}, stiffness={}, exponent={}, ratio={})",
+            float(joint.slip_force()),
+            float(joint.stiffness()),
+            float(joint.exponent()),
+            float(joint.ratio())
+        )
+    }
+}

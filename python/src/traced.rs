@@ -1,0 +1,279 @@
+//! Functions that a user wrote in Python, recorded there by `_trace.py` as a list of operations.
+
+use std::sync::Arc;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use stick_slip::{Error, ForceLaw, FrictionLaw, Scalar, TimeFunction};
+
+/// One operation on the number under way, the accumulator. A binary operation reads a slot too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u8)]
+enum Code {
+    Load,
+    Store,
+    Constant,
+    AddConstant,
+    SubtractConstant,
+    MultiplyConstant,
+    DivideConstant,
+    Add,
+    Subtract,
+    SubtractFrom,
+    Multiply,
+    MultiplyOnto,
+    Divide,
+    DivideInto,
+    Negate,
+    Recip,
+    Square,
+    Exp,
+    Ln,
+    Sqrt,
+    Powi,
+    Powf,
+    Tanh,
+    Atan,
+    Sin,
+    Cos,
+    Abs,
+}
+
+/// The names of the operations, as `_trace.py` writes them.
+const NAMES: [(&str, Code); 27] = [
+    ("load", Code::Load),
+    ("store", Code::Store),
+    ("constant", Code::Constant),
+    ("add_constant", Code::AddConstant),
+    ("subtract_constant", Code::SubtractConstant),
+    ("multiply_constant", Code::MultiplyConstant),
+    ("divide_constant", Code::DivideConstant),
+    ("add", Code::Add),
+    ("subtract", Code::Subtract),
+    ("subtract_from", Code::SubtractFrom),
+    ("multiply", Code::Multiply),
+    ("multiply_onto", Code::MultiplyOnto),
+    ("divide", Code::Divide),
+    ("divide_into", Code::DivideInto),
+    ("negate", Code::Negate),
+    ("recip", Code::Recip),
+    ("square", Code::Square),
+    ("exp", Code::Exp),
+    ("ln", Code::Ln),
+    ("sqrt", Code::Sqrt),
+    ("powi", Code::Powi),
+    ("powf", Code::Powf),
+    ("tanh", Code::Tanh),
+    ("atan", Code::Atan),
+    ("sin", Code::Sin),
+    ("cos", Code::Cos),
+    ("abs", Code::Abs),
+];
+
+/// Numbers beside the accumulator. The first ones hold the arguments.
+pub const SLOTS: usize = 4;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Operation {
+    code: Code,
+    slot: u8,
+    constant: f64,
+}
+
+/// The operations of one analytic function of one or two numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Programme(Vec<Operation>);
+
+/// An operation as Python writes it: name, slot, constant.
+pub type Written = (String, usize, f64);
+
+impl Programme {
+    pub fn read(written: &[Written]) -> PyResult<Self> {
+        let operation = |(name, slot, constant): &Written| {
+            let code = NAMES.iter().find(|(known, _)| known == name);
+            match code {
+                Some(&(_, code)) if *slot < SLOTS => Ok(Operation {
+                    code,
+                    slot: *slot as u8,
+                    constant: *constant,
+                }),
+                _ => Err(PyValueError::new_err(format!(
+                    "no operation {name} on slot {slot}"
+                ))),
+            }
+        };
+        written
+            .iter()
+            .map(operation)
+            .collect::<PyResult<_>>()
+            .map(Self)
+    }
+
+    /// One loop over a flat list without a recursion, so that it is inlined to where series are
+    /// computed with fused multiply-adds. The operations of a law have an order: a product of two
+    /// series and the product the other way round differ in the last bits.
+    #[inline(always)]
+    fn run<S: Scalar, const N: usize>(&self, arguments: [S; N]) -> S {
+        let mut number = arguments[0];
+        let mut slots = [number; SLOTS];
+        slots[..N].copy_from_slice(&arguments);
+        for &Operation {
+            code,
+            slot,
+            constant,
+        } in &self.0
+        {
+            let slot = &mut slots[usize::from(slot) & (SLOTS - 1)];
+            number = match code {
+                Code::Load => *slot,
+                Code::Store => {
+                    *slot = number;
+                    number
+                }
+                Code::Constant => number.constant(constant),
+                Code::AddConstant => number + constant,
+                Code::SubtractConstant => number - constant,
+                Code::MultiplyConstant => number * constant,
+                Code::DivideConstant => number / constant,
+                Code::Add => number + *slot,
+                Code::Subtract => number - *slot,
+                Code::SubtractFrom => *slot - number,
+                Code::Multiply => number * *slot,
+                Code::MultiplyOnto => *slot * number,
+                Code::Divide => number / *slot,
+                Code::DivideInto => *slot / number,
+                Code::Negate => -number,
+                Code::Recip => number.recip(),
+                Code::Square => number.square(),
+                Code::Exp => number.exp(),
+                Code::Ln => number.ln(),
+                Code::Sqrt => number.sqrt(),
+                Code::Powi => number.powi(constant as i32),
+                Code::Powf => number.powf(constant),
+                Code::Tanh => number.tanh(),
+                Code::Atan => number.atan(),
+                Code::Sin => number.sin(),
+                Code::Cos => number.cos(),
+                Code::Abs => number.abs(),
+            };
+        }
+        number
+    }
+}
+
+/// A friction law of a user: one programme for each piece.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    static_coefficient: f64,
+    pieces: Arc<[Programme]>,
+    breakpoints: Arc<[f64]>,
+}
+
+impl Traced {
+    /// There must be one piece more than breakpoints.
+    pub fn new(static_coefficient: f64, pieces: Vec<Programme>, breakpoints: Vec<f64>) -> Self {
+        Self {
+            static_coefficient,
+            pieces: pieces.into(),
+            breakpoints: breakpoints.into(),
+        }
+    }
+
+    /// Checks what every system checks of its law.
+    pub fn check(&self) -> Result<(), Error> {
+        stick_slip::MassOnBelt::new(self, 1.0).map(|_| ())
+    }
+}
+
+impl FrictionLaw for Traced {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        if self.breakpoints.is_empty() {
+            return self.kinetic_on(0, speed);
+        }
+        let at = speed.value();
+        self.kinetic_on(
+            self.breakpoints.partition_point(|point| *point <= at),
+            speed,
+        )
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.breakpoints.iter().copied()
+    }
+
+    #[inline(always)]
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        self.pieces[piece.min(self.pieces.len() - 1)].run([speed])
+    }
+}
+
+/// The pieces of a function as Python wrote it, and their text.
+pub fn pieces_of(
+    py: Python<'_>,
+    function: &Bound<'_, PyAny>,
+    breakpoints: &[f64],
+    names: &[&str],
+) -> PyResult<(Vec<Programme>, String)> {
+    let trace = py.import("stick_slip._trace")?;
+    let arguments = (function, breakpoints.len() + 1, names);
+    let (written, shown): (Vec<Vec<Written>>, Vec<String>) =
+        trace.call_method1("trace_pieces", arguments)?.extract()?;
+    let pieces = written.iter().map(|piece| Programme::read(piece));
+    Ok((pieces.collect::<PyResult<_>>()?, shown.join("; ")))
+}
+
+/// A law of force of a user: one programme of position and velocity for each piece.
+#[derive(Clone, Debug)]
+pub struct TracedForce {
+    pub pieces: Arc<[Programme]>,
+    pub breakpoints: Arc<[f64]>,
+}
+
+impl ForceLaw for TracedForce {
+    #[inline(always)]
+    fn force<S: Scalar>(&self, position: S, velocity: S, piece: usize) -> S {
+        self.pieces[piece.min(self.pieces.len() - 1)].run([position, velocity])
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.breakpoints.iter().copied()
+    }
+}
+
+/// A function of time of a user: one programme for each piece.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TracedTime {
+    pub pieces: Arc<[Programme]>,
+    pub breakpoints: Arc<[f64]>,
+    pub size: f64,
+    pub timescale: f64,
+    pub period: Option<f64>,
+}
+
+impl TimeFunction for TracedTime {
+    #[inline(always)]
+    fn value<S: Scalar>(&self, time: S, piece: usize) -> S {
+        self.pieces[piece.min(self.pieces.len() - 1)].run([time])
+    }
+
+    fn size(&self) -> f64 {
+        self.size
+    }
+
+    fn timescale(&self, _: usize) -> f64 {
+        self.timescale
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.breakpoints.iter().copied()
+    }
+
+    fn period(&self) -> Option<f64> {
+        self.period
+    }
+}

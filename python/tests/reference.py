@@ -1,0 +1,135 @@
+"""Systems of the reference files of the Rust tests, built through Python."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import stick_slip as ss
+
+DATA = Path(__file__).resolve().parents[2] / "tests" / "data"
+
+
+def cases(name: str) -> list[dict[str, Any]]:
+    return list(json.loads((DATA / f"{name}.json").read_text())["cases"])
+
+
+def floats(values: Any) -> Any:
+    return np.array(values, dtype=float)
+
+
+def law(case: dict[str, Any]) -> ss.Law:
+    if "kt" in case:
+        return ss.Coulomb(float(case["mu"]), float(case["mu"]))
+    p = {name: float(value) for name, value in case["law_params"].items()}
+    match case["law"]:
+        case "poly":
+            return ss.Polynomial(p["mus"], p["mum"], p["vm"])
+        case "exp":
+            return ss.Exponential(p["mus"], p["muk"], p["vs"])
+        case "coulomb":
+            return ss.Coulomb(p["mus"], p["muk"])
+        case "rational":
+            return ss.Rational(p["mus"], p["gamma"], p["delta"], p["eta"])
+    raise ValueError(case["law"])
+
+
+def belt(case: dict[str, Any]) -> ss.MassOnBelt:
+    return ss.MassOnBelt(
+        law(case),
+        float(case["v_b"]),
+        damping=float(case["beta"]),
+        load=float(case["gamma2"]),
+    )
+
+
+def drive(given: Any) -> ss.Drive:
+    if not isinstance(given, dict):
+        return ss.Drive.constant(float(given))
+    match given["type"]:
+        case "const":
+            return ss.Drive.constant(float(given["value"]))
+        case "fourier":
+            total = ss.Drive.constant(float(given["a0"]))
+            for term in given["terms"]:
+                omega = float(term["omega"])
+                total += ss.Drive.harmonic(float(term["a"]), omega)
+                total += ss.Drive.sine(float(term["b"]), omega)
+            return total
+        case "pwl":
+            return ss.Drive.profile(np.column_stack([floats(given["t"]), floats(given["values"])]))
+        case "steps":
+            times, values = floats(given["t"]), floats(given["values"])
+            points = [(times[0], values[0])]
+            for k in range(1, len(times)):
+                points += [(times[k], values[k - 1]), (times[k], values[k])]
+            return ss.Drive.profile(points)
+    raise ValueError(given["type"])
+
+
+def contact_law(given: dict[str, Any]) -> ss.Law | ss.ContactLaw | None:
+    """None if Python cannot express it: a dry law with another static coefficient."""
+    own = law(given)
+    if "dwell" in given:
+        dwell = given["dwell"]
+        lowest = float(dwell["mu_0"])
+        kinetic = float(given["law_params"].get("muk", "nan"))
+        if given["law"] == "coulomb":
+            own = ss.Coulomb(lowest, kinetic)
+        elif own.static_coefficient != lowest:
+            return None
+        time = float(dwell["theta_c"])
+        if dwell["form"] == "logarithmic":
+            return ss.Dwell(own, rate=float(dwell["B"]), time=time)
+        hyperbolic = dwell["form"] == "hyperbolic"
+        return ss.Dwell(own, limit=float(dwell["mu_inf"]), time=time, hyperbolic=hyperbolic)
+    if "bristle" in given:
+        sigma = [float(given["bristle"][f"sigma{i}"]) for i in range(3)]
+        return ss.LuGre(own, sigma[0], sigma[1], sigma[2])
+    return own
+
+
+def structure(system: dict[str, Any]) -> ss.Structure | None:
+    masses: dict[str, Any] = (
+        {"mass_matrix": floats(system["mass"])}
+        if "mass" in system
+        else {"masses": floats(system["m"])}
+    )
+    built = ss.Structure(
+        **masses, stiffness=floats(system["K"]), damping=floats(system["C"])
+    )
+    for i, force in enumerate(system["f"]):
+        built = built.with_force(i, drive(force))
+    for i, given in enumerate(system["contacts"]):
+        if given is None:
+            continue
+        rule = contact_law(given)
+        if rule is None:
+            return None
+        direction = (
+            dict(enumerate(floats(given["direction"]))) if "direction" in given else {i: 1.0}
+        )
+        gradient = dict(enumerate(floats(given["n"]))) if "n" in given else {}
+        options: dict[str, Any] = {"belt_velocity": drive(given["w"])}
+        if "kt" in given:
+            options["tangential_stiffness"] = float(given["kt"])
+        if "reaction" in given:
+            row = floats(given["reaction"])
+            j = int(np.flatnonzero(row)[0])
+            options["normal_spring"] = (dict(enumerate(row)), gradient[j] / row[j])
+        elif gradient:
+            options["load_gradient"] = gradient
+        built = built.with_contact(ss.Contact(direction, rule, drive(given["N0"]), **options))
+    return built
+
+
+def start(case: dict[str, Any]) -> Any:
+    given = case["start"]
+    parts = [floats(given["q"]), floats(given["v"])]
+    for memory in ("T", "z"):
+        if memory in given:
+            parts.append(floats(given[memory]))
+    return tuple(parts)

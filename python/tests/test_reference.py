@@ -1,0 +1,127 @@
+"""The reference motions of the Rust tests through Python: the same bits as in Rust."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import reference
+
+import stick_slip as ss
+
+PACKAGE = Path(__file__).resolve().parents[1]
+STRUCTURES = [
+    "driven_trajectories",
+    "structure_trajectories",
+    "contact_trajectories",
+    "joint_trajectories",
+    "bristle_trajectories",
+    "dwell_trajectories",
+]
+
+pytestmark = pytest.mark.skipif(
+    not reference.DATA.is_dir(), reason="the reference data are in a clone of the repository only"
+)
+
+
+def bits(numbers: Any) -> str:
+    return " ".join(struct.pack(">d", number).hex() for number in np.ravel(numbers))
+
+
+@pytest.fixture(scope="session")
+def rust() -> dict[str, list[str]]:
+    """The lines of the Rust program by case."""
+    if shutil.which("cargo") is None:
+        pytest.skip("no Rust toolchain")
+    # With the settings of the extension, for which the crate may be compiled already.
+    command = ["cargo", "run", "--quiet", "--locked", "--package", "stick-slip-bits"]
+    profile = os.environ.get("STICK_SLIP_PROFILE", "release")
+    run = subprocess.run(
+        [*command, "--profile", profile], cwd=PACKAGE, capture_output=True, text=True
+    )
+    assert run.returncode == 0, run.stderr
+    found: dict[str, list[str]] = {}
+    for line in run.stdout.splitlines():
+        kind, _, rest = line.partition(" ")
+        if kind == "case":
+            lines = found.setdefault(rest.strip('"'), [])
+        elif kind == "sample":
+            found["sample"] = [rest]
+        else:
+            lines.append(line)
+    return found
+
+
+def test_belts_have_the_bits_of_rust(rust: dict[str, list[str]]) -> None:
+    compared = 0
+    for case in reference.cases("trajectories"):
+        if case["id"] not in rust:
+            continue
+        start = (float(case["start"]["u"]), float(case["start"]["v"]))
+        times = reference.floats([state["t"] for state in case["states"]])
+        motion = reference.belt(case).simulate(start, times[-1])
+        lines = [f"event {event['kind']} {bits(event['time'])}" for event in motion.events]
+        u, v = motion.sample(times)
+        lines += [f"state {bits(state)}" for state in zip(u, v)]
+        assert lines == rust[case["id"]]
+        compared += len(lines)
+        # The reference values themselves, within the accuracy that the crate promises.
+        for i, state in enumerate(case["states"]):
+            for found, value in ((u[i], float(state["u"])), (v[i], float(state["v"]))):
+                assert abs(found - value) <= 1e-13 * max(1.0, abs(value))
+    assert compared > 200
+
+
+def test_cycles_have_the_bits_of_rust(rust: dict[str, list[str]]) -> None:
+    compared = 0
+    for case in reference.cases("cycles"):
+        lines = [
+            "cycle "
+            + bits([c.period, c.amplitude, c.multiplier, c.min_velocity, c.energy.drive_work])
+            for c in ss.limit_cycles(reference.belt(case))
+        ]
+        assert lines == rust[case["id"]], case["id"]
+        compared += len(lines)
+    assert compared > 30
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_structures_have_the_bits_of_rust(name: str, rust: dict[str, list[str]]) -> None:
+    compared = 0
+    for case in reference.cases(name):
+        system = reference.structure(case["system"])
+        if system is None or case["id"] not in rust:
+            continue
+        motion = system.simulate(reference.start(case), float(case["t_end"]))
+        lines = [
+            f"event {event['kind']} {event['contact']} {bits(event['time'])}"
+            for event in motion.events
+        ]
+        times = reference.floats([state["t"] for state in case["states"]])
+        q, v = motion.sample(times)
+        memory = motion.sample_memory(times)
+        lines += [f"state {bits(np.concatenate(state))}" for state in zip(q, v, memory)]
+        assert lines == rust[case["id"]], case["id"]
+        compared += 1
+    assert compared >= 6
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="measured on Linux")
+def test_a_sample_takes_at_most_twice_the_time_of_rust(rust: dict[str, list[str]]) -> None:
+    system = ss.MassOnBelt(ss.Polynomial(0.4, 0.25, 0.5), 0.2, damping=0.05)
+    motion = system.simulate((0.0, 0.0), 1000.0)
+    times = 1000.0 * np.arange(100_000) / 100_000
+    least = np.inf
+    for _ in range(9):
+        begin = time.perf_counter()
+        motion.sample(times)
+        least = min(least, time.perf_counter() - begin)
+    assert least < 2.0 * float(rust["sample"][0])
