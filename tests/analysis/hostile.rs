@@ -80,10 +80,7 @@ fn springs_with_a_cubic_term() {
         let given = [mass, stiffness, cubic, amplitude];
         let found = period(mass, stiffness, cubic, amplitude);
         sound(&given, found.map(|t| [t]));
-        assert!(
-            found.is_none_or(|t| t > 0.0 || t == 0.0),
-            "{given:?}: {found:?}"
-        );
+        assert!(found.is_none_or(|t| t >= 0.0), "{given:?}: {found:?}");
     }
     for (given, is_nan) in draws(2) {
         let [m, k, c3, kinetic, fixed, start] = given;
