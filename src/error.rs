@@ -437,8 +437,8 @@ pub enum Error {
         subsets: usize,
         /// The largest number of sets that are tried.
         most: usize,
-        /// The time and state reached.
-        reached: Reached,
+        /// The time and state reached; boxed, because the other numbers are many.
+        reached: Box<Reached>,
     },
 
     /// Freewheels, or other contacts with an infinite limit, would have to move with surfaces that
@@ -503,8 +503,8 @@ pub enum Error {
         limit: f64,
     },
 
-    /// The velocity of a belt jumps at a rigid contact. A sticking mass would need an infinite
-    /// force to follow the jump.
+    /// The velocity of a belt jumps at a rigid contact that may stick. A sticking mass would need
+    /// an infinite force to follow the jump.
     #[error(
         "the velocity of the belt under coordinate {coordinate} jumps at time {}; replace the \
          jump by a steep ramp",

@@ -69,6 +69,7 @@
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
+//! | rate-and-state friction: earthquakes, laboratory sliders | [`RateState`] in a [`Structure`]; formulas in [`analysis::rate_state`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
@@ -161,8 +162,8 @@
 //!   searches for periodic motions of a [`Structure`] can miss some: see [`orbit`].
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
-//!   or a [`ContactLaw`] of your own), and `Structure::from` converts a mass on a belt to a
-//!   structure.
+//!   [`RateState`], or a [`ContactLaw`] of your own), and `Structure::from` converts a mass on a
+//!   belt to a structure.
 //! * **Contacts that share masses.** Stick or slip is decided for all of them together. The
 //!   decision is unique if static and kinetic coefficients are equal; otherwise it follows [a
 //!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions may
@@ -170,7 +171,7 @@
 //!   ([`structure::Carried`]).
 //! * **Not available:** a mass matrix that depends on displacements (double pendulums, linkages);
 //!   delays (regenerative chatter); friction whose direction turns in a plane; rigid impacts;
-//!   forces that jump with the displacement; rate-and-state friction laws.
+//!   forces that jump with the displacement.
 //! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
 //!   steep friction as in the cubic law far above its minimum) does not increase the number of
 //!   steps, up to D of about 1e20. In structures stiffness does not increase the number of steps in
@@ -268,7 +269,8 @@ pub use force::{
     VanDerPol,
 };
 pub use friction::memory::{
-    AnyContactLaw, ContactLaw, Dahl, Directional, Dwell, Freewheel, LuGre, Motion, Slip, Variables,
+    AnyContactLaw, ContactLaw, Dahl, Directional, Dwell, Freewheel, LuGre, Motion, RateState,
+    RateState2, Slip, Variables,
 };
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Iwan4, LawFault, Polynomial, Rational, Scaled,

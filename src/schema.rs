@@ -33,7 +33,8 @@
 //! | [`Dwell`](crate::Dwell) | `exponential` or `hyperbolic`, with `law`, `limit`, `time`; or `logarithmic`, with `law`, `rate`, `time` | yes |
 //! | [`Dahl`](crate::Dahl) | `coefficient`, `stiffness` | yes |
 //! | [`LuGre`](crate::LuGre) | `law`, `stiffness`; optional: `damping` (0), `viscous` (0) | yes |
-//! | [`AnyContactLaw`](crate::AnyContactLaw) | `dry`, `dwell`, `dahl` or `lugre`, with that law | yes |
+//! | [`RateState`](crate::RateState) | `aging` or `slip`, with `f0`, `a`, `b`, `d_c`, `v0`; optional: `v_m` (none); [`RateState2`](crate::RateState2) also with `b2`, `d_c2` | yes |
+//! | [`AnyContactLaw`](crate::AnyContactLaw) | `dry`, `dwell`, `dahl`, `lugre` or `rate_state`, with that law | yes |
 //! | [`PolynomialSpring`](crate::PolynomialSpring) | `coefficients`: a list | yes |
 //! | [`Pendulum`](crate::Pendulum) | `moment`, `length` | yes |
 //! | [`Backlash`](crate::Backlash) | `stiffness`, `gap` | yes |
@@ -45,7 +46,7 @@
 //! | [`Scaling`](crate::Scaling) | `physical`; optional: `length` (`normal_force`/`stiffness`) | yes |
 //! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`; optional: `damping` (0), `load` (1) | yes |
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
-//! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`; optional: `memory` (the empty list) | yes |
+//! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`; optional: `memory`, and `sliding` as a list of [contact, relative velocity] (empty lists) | yes |
 //! | [`Drive`](crate::Drive) | all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value]; a drive with a function of your own is not written | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`; `law`: a map from the name of the law to the law, see below; `load`: a drive; optional: the fields of the next row | yes |
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
@@ -81,12 +82,12 @@
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
 //! The law of a contact is written under its name: `coulomb`, `exponential`, `polynomial`,
-//! `rational`, `stribeck`, `tabulated`, `directional`, `freewheel`, `dwell`, `dahl` or `lugre`, or
-//! `dry` for an [`AnyContactLaw`](crate::AnyContactLaw) without memory. The law of a force element
-//! is written under its name: `polynomial_spring`, `pendulum`, `backlash`, `snap_through`,
-//! `van_der_pol` or `tabulated_force`. Your own law has no name, so writing its contact or its
-//! force element is an error. Write the parameters of the law separately, and add the contact or
-//! the element to the structure after reading.
+//! `rational`, `stribeck`, `tabulated`, `directional`, `freewheel`, `dwell`, `dahl`, `lugre` or
+//! `rate_state`, or `dry` for an [`AnyContactLaw`](crate::AnyContactLaw) without memory. The law of
+//! a force element is written under its name: `polynomial_spring`, `pendulum`, `backlash`,
+//! `snap_through`, `van_der_pol` or `tabulated_force`. Your own law has no name, so writing its
+//! contact or its force element is an error. Write the parameters of the law separately, and add
+//! the contact or the element to the structure after reading.
 //!
 //! ```
 //! use stick_slip::nalgebra::DMatrix;

@@ -9,9 +9,9 @@ use stick_slip::{
     AnyContactLaw, AnyLaw, Backlash, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction,
     Directional, Drive, Dwell, Error, Event, EventKind, Exponential, FirstOrder, ForceElement,
     ForceLaw, Freewheel, FrictionLaw, Iwan4, LimitCycle, LuGre, MassOnBelt, Mode, Pendulum,
-    Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, SnapThrough,
-    Stability, State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction, VanDerPol,
-    limit_cycle, structure,
+    Physical, Polynomial, PolynomialSpring, RateState, RateState2, Rational, Scalar, Scaled,
+    Scaling, SnapThrough, Stability, State, Stribeck, Structure, Tabulated, TabulatedForce,
+    TimeFunction, VanDerPol, limit_cycle, structure,
 };
 
 use stick_slip_tests_common::{on_belt, one_mass};
@@ -105,6 +105,9 @@ fn contact_laws() -> Vec<AnyContactLaw<AnyLaw>> {
         Dwell::logarithmic(law(), 0.05, 2.0).unwrap().into(),
         Dahl::new(0.1 + 0.2, 1e3).unwrap().into(),
         LuGre::new(law(), 1e3, 2.0, 1.0 / 3.0).unwrap().into(),
+        RateState::aging(0.6, 0.1, 0.1 + 0.2, 1e-1, 0.05)
+            .unwrap()
+            .into(),
     ]
 }
 
@@ -128,6 +131,10 @@ fn contact_laws_there_and_back() {
         Dahl::new(0.4, 50.0).unwrap() => r#"{"coefficient":0.4,"stiffness":50.0}"#;
         lugre => text;
         AnyContactLaw::from(lugre) => format!(r#"{{"lugre":{text}}}"#);
+        RateState::slip(0.6, 0.01, 0.02, 0.5, 0.25).unwrap().with_least_speed(0.125).unwrap()
+            => r#"{"slip":{"f0":0.6,"a":0.01,"b":0.02,"d_c":0.5,"v0":0.25,"v_m":0.125}}"#;
+        RateState::aging(0.6, 0.01, 0.02, 0.5, 0.25).unwrap().with_second_state(0.5, 2.0).unwrap()
+            => r#"{"aging":{"f0":0.6,"a":0.01,"b":0.02,"d_c":0.5,"v0":0.25,"b2":0.5,"d_c2":2.0}}"#;
     }
     let sided = Directional::new(law, Coulomb::new(0.7, 0.6).unwrap()).unwrap();
     there_and_back! {
@@ -153,6 +160,7 @@ fn contact_laws_there_and_back() {
 fn reading_contact_laws_checks_what_constructors_check() {
     let of = |rest: &str| format!(r#"{{"law":{COULOMB},{rest}}}"#);
     let dwell = |form: &str, rest: &str| format!(r#"{{"{form}":{}}}"#, of(rest));
+    let rate_state = |rest: &str| format!(r#"{{"aging":{{"f0":0.6,"a":0.01,"v0":1,{rest}}}}}"#);
     for form in ["exponential", "hyperbolic"] {
         refuse! {
             Dwell<Coulomb>: dwell(form, r#""limit":0.4,"time":1"#), "limit = 0.4 is not allowed";
@@ -170,6 +178,13 @@ fn reading_contact_laws_checks_what_constructors_check() {
         LuGre<Coulomb>: of(r#""stiffness":1,"damping":-1"#), "damping";
         LuGre<Coulomb>: of(r#""stiffness":1,"viscous":-1"#), "viscous";
         LuGre<Coulomb>: of(r#""stiffness":1,"sigma2":1"#), "unknown field";
+        RateState: rate_state(r#""b":0.02"#), "missing field `d_c`";
+        RateState: rate_state(r#""b":0.02,"d_c":-1"#), "d_c = -1";
+        RateState: rate_state(r#""b":0.02,"d_c":1,"v_m":0"#), "v_m = 0";
+        RateState: rate_state(r#""b":0.02,"d_c":1,"theta":1"#), "unknown field";
+        RateState: rate_state(r#""b":0.02,"d_c":1,"b2":1"#), "d_c2 = NaN";
+        RateState: rate_state(r#""b":0.02,"d_c":1,"b2":1,"d_c2":1"#), "2 given; 1 are needed";
+        RateState2: rate_state(r#""b":0.02,"d_c":1"#), "1 given; 2 are needed";
         AnyContactLaw<Coulomb>: r#"{"lu_gre":{}}"#, "unknown variant";
     }
 }
@@ -525,6 +540,7 @@ fn documents() -> Vec<(Value, Read)> {
     let motion = system.clone().unwrap();
     let motion = motion.simulate(State::new(0.0, 0.0), 20.0).unwrap();
     let memory = structure::State::new(&[0.1, 0.2], &[0.3, -0.4]).with_memory(&[1.5]);
+    let sliding = memory.clone().with_sliding(3, -1e-12);
     let laws = contact_laws().into_iter().map(document);
     laws.chain([
         document(Coulomb::new(0.4, 0.25).unwrap()),
@@ -541,6 +557,7 @@ fn documents() -> Vec<(Value, Read)> {
         document(system.unwrap()),
         document(State::new(0.1 + 0.2, -1.0 / 3.0)),
         document(memory),
+        document(sliding),
         document(motion.events()[1]),
         document(LuGre::new(polynomial, 10.0, 1.0, 0.5).unwrap()),
         document(Dahl::new(0.4, 10.0).unwrap()),
@@ -574,6 +591,7 @@ fn whatever_is_read_is_complete_and_nothing_else() {
                 "damping",
                 "load",
                 "memory",
+                "sliding",
                 "viscous",
             ];
             let is_optional = optional.contains(&name.as_str())
@@ -808,12 +826,16 @@ fn joints_and_mass_matrices_there_and_back() {
     let dwell = Dwell::hyperbolic(table(), 0.6, 2.0).unwrap();
     let bristles = LuGre::new(coulomb, 1e3, 2.0, 0.1).unwrap();
     let dry = AnyContactLaw::Dry(AnyLaw::from(coulomb));
+    let aging = RateState::aging(0.6, 0.01, 0.015, 1e-5, 1e-6).unwrap();
+    let two_states = aging.with_second_state(0.004, 1e-4).unwrap();
     let structure = Structure::with_mass_matrix(mass)
         .and_then(|s| s.with_contact(Contact::between(2, 0, coulomb, 3.0)?.on_belt(0.1)))
         .and_then(|s| s.with_contact(Contact::along(&[(1, 0.1 + 0.2), (2, -1.0)], dwell, 1.0)?))
         .and_then(|s| s.with_contact(Contact::new(0, bristles, 1.0)?))
         .and_then(|s| s.with_contact(Contact::new(0, Dahl::new(0.4, 50.0)?, 1.0)?))
         .and_then(|s| s.with_contact(Contact::new(1, dry, 1.0)?))
+        .and_then(|s| s.with_contact(Contact::new(1, aging, 1.0)?))
+        .and_then(|s| s.with_contact(Contact::new(1, two_states, 1.0)?))
         .unwrap();
     let text = there_and_back(&structure);
     for part in [

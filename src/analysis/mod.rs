@@ -43,6 +43,7 @@
 //! | a spring in series with a dry slider: first harmonic, hysteresis, exact response of one mass | [`jenkins`]; many in parallel: [`Iwan4`](crate::Iwan4) |
 //! | static friction that rises during stick: cycles, and the condition for their existence | [`dwell`] |
 //! | bristles: steady sliding, small vibration of a mass, passivity | [`lugre`] |
+//! | rate-and-state friction: velocity steps, holds, time to instability, stress drop | [`rate_state`] |
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
 //! | a hardening or softening spring: period, decay by dry friction, response to a harmonic force | [`duffing`] |
@@ -84,6 +85,7 @@ pub mod lugre;
 pub mod mode_coupling;
 pub mod polynomial;
 mod pure_slip;
+pub mod rate_state;
 mod regime;
 mod slip_arc;
 mod stick_slip;

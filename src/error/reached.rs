@@ -46,6 +46,7 @@ impl Reached {
             displacements,
             velocities,
             memory,
+            ..
         } = &self.state;
         let mut numbers = displacements.iter().chain(velocities).chain(memory);
         numbers.any(|x| x.is_nan() || x.abs() > LARGEST)

@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Scalar, integral, sealed};
+use super::{Scalar, integral, root_beside_one, sealed};
 
 /// A value and its tangent.
 #[derive(Debug, Clone, Copy)]
@@ -142,6 +142,10 @@ impl<S: Scalar> Scalar for Dual<S> {
     #[inline]
     fn atan(self) -> Self {
         self.with(self.value.atan(), || (self.value.square() + 1.0).recip())
+    }
+    #[inline]
+    fn asinh(self) -> Self {
+        self.with(self.value.asinh(), || root_beside_one(self.value).recip())
     }
     #[inline]
     fn sin(self) -> Self {

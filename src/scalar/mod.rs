@@ -127,6 +127,8 @@ pub trait Scalar:
     fn tanh(self) -> Self;
     /// The arctangent arctan x.
     fn atan(self) -> Self;
+    /// The inverse hyperbolic sine arsinh x = ln(x + √(x² + 1)).
+    fn asinh(self) -> Self;
     /// The sine sin x.
     fn sin(self) -> Self;
     /// The cosine cos x.
@@ -193,6 +195,10 @@ impl Scalar for f64 {
         self.atan()
     }
     #[inline]
+    fn asinh(self) -> Self {
+        self.asinh()
+    }
+    #[inline]
     fn sin(self) -> Self {
         self.sin()
     }
@@ -226,6 +232,19 @@ pub(crate) const INVERSE: [f64; LONGEST] = {
     }
     inverse
 };
+
+/// √(x² + 1), by which the derivative of x is divided in that of arsinh x. It is |x| where x² might
+/// overflow.
+#[inline(always)]
+pub(crate) fn root_beside_one<S: Scalar>(x: S) -> S {
+    /// 1/(2x²) is a quarter of the rounding error of 1.
+    const LARGE: f64 = (1_u64 << 28) as f64;
+    if x.value().abs() < LARGE {
+        (x.square() + 1.0).sqrt()
+    } else {
+        x.abs()
+    }
+}
 
 /// xⁿ by squaring: every step is an operation with a recurrence of its own.
 #[inline(always)]

@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::fused::mul_add;
 use super::taylor::{Taylor, inner_product, inner_square};
-use super::{Scalar, integral, power_by_squaring, sealed};
+use super::{Scalar, integral, power_by_squaring, root_beside_one, sealed};
 
 impl<const K: usize, const M: usize> sealed::Sealed for Taylor<'_, K, M> {}
 
@@ -158,21 +158,13 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
     /// b·y' = a', b = 1 + a².
     #[inline(always)]
     fn atan(self) -> Self {
-        let (a, b) = (self, self.square() + 1.0);
-        let (y, weighted) = (self.run.claim(), self.run.claim());
-        let y = self.operation(
-            y,
-            || (a.value.atan(), a.derivative() / b.value),
-            || {
-                let factor = -Self::INVERSE / b.value;
-                let older = inner_product::<K, M>(weighted, b.row, factor, 0.0);
-                mul_add(a.scale / b.value, a.rest, older)
-            },
-        );
-        if K > 0 {
-            weighted.c[K].set(K as f64 * y.newest());
-        }
-        y
+        self.divided_integral(self.square() + 1.0, f64::atan)
+    }
+
+    /// b·y' = a', b = √(1 + a²).
+    #[inline(always)]
+    fn asinh(self) -> Self {
+        self.divided_integral(root_beside_one(self), f64::asinh)
     }
 
     #[inline(always)]
@@ -192,6 +184,26 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
 }
 
 impl<const K: usize, const M: usize> Taylor<'_, K, M> {
+    /// b·y' = a', where y is a function of a.
+    #[inline(always)]
+    fn divided_integral(self, b: Self, function: impl Fn(f64) -> f64) -> Self {
+        let a = self;
+        let (y, weighted) = (self.run.claim(), self.run.claim());
+        let y = self.operation(
+            y,
+            || (function(a.value), a.derivative() / b.value),
+            || {
+                let factor = -Self::INVERSE * b.scale / b.value;
+                let older = inner_product::<K, M>(weighted, b.row, factor, 0.0);
+                mul_add(a.scale / b.value, a.rest, older)
+            },
+        );
+        if K > 0 {
+            weighted.c[K].set(K as f64 * y.newest());
+        }
+        y
+    }
+
     /// S' = C·a', C' = −S·a'.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {

@@ -18,7 +18,7 @@
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Scalar, integral, power_by_squaring, sealed};
+use super::{Scalar, integral, power_by_squaring, root_beside_one, sealed};
 
 /// What an operation sums up in order k, of the rows named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -189,6 +189,19 @@ impl<'r> Recorded<'r> {
         self.note_of(0.0, (0.0, Sum::Weight), 1.0).row
     }
 
+    /// b·y' = a', with the value of y.
+    #[inline]
+    fn divided_integral(self, b: Self, value: f64) -> Self {
+        let weighted = self.next_row() + 1;
+        let sum = (
+            -b.scale / b.value,
+            Sum::Product(weighted, b.row, Weight::Integral),
+        );
+        let y = self.note_of(value, sum, b.value.recip());
+        y.weighted();
+        y
+    }
+
     /// S' = C·a', C' = −S·a'.
     fn sin_cos(self) -> (Self, Self) {
         let (sine, cosine) = self.value.sin_cos();
@@ -308,15 +321,13 @@ impl Scalar for Recorded<'_> {
     /// b·y' = a', b = 1 + a².
     #[inline]
     fn atan(self) -> Self {
-        let b = self.square() + 1.0;
-        let weighted = self.next_row() + 1;
-        let sum = (
-            -b.scale / b.value,
-            Sum::Product(weighted, b.row, Weight::Integral),
-        );
-        let y = self.note_of(self.value.atan(), sum, b.value.recip());
-        y.weighted();
-        y
+        self.divided_integral(self.square() + 1.0, self.value.atan())
+    }
+
+    /// b·y' = a', b = √(1 + a²).
+    #[inline]
+    fn asinh(self) -> Self {
+        self.divided_integral(root_beside_one(self), self.value.asinh())
     }
 
     #[inline]

@@ -273,6 +273,10 @@ fn known_series_about_zero() {
             alternate(k / 2) * inverse_factorial(k)
         }
     });
+    relative(compose(s.asinh(), &zero), &|k| match k {
+        0 => 0.0,
+        _ => binomial(-0.5, k / 2) * f64::from(u8::from(odd(k))) / k as f64,
+    });
     relative(compose(s.atan(), &zero), &|k| {
         if odd(k) {
             alternate(k / 2) / k as f64
@@ -495,6 +499,8 @@ fn every_operation_composes_with_a_series() {
         check(inner, (s * -1.5 + 1.0).tanh());
         check(inner, (s * 0.3 + 0.7).atan());
         check(inner, (s * -0.6).atan());
+        check(inner, (s * 0.3 + 0.7).asinh());
+        check(inner, (s * -0.6).asinh());
         check(inner, s.sin());
         check(inner, (s * 3.0 - 1.0).sin());
         check(inner, s.cos());
@@ -515,6 +521,7 @@ fn operations_on_operations() {
     for inner in &[wavy(0.7), wavy(0.0)] {
         check(inner, (s.exp() + 1.0).ln());
         check(inner, s.sin().exp() / (s.cos() * 0.4 + 2.0));
+        check(inner, (s.exp() * -0.5).asinh() * (s.sin() * 0.3).asinh());
         check(inner, ((s * s + 1.5).sqrt() * -0.5).tanh().atan());
         check(inner, (s.tanh() * 0.5 + 1.0).powf(1.7) * (s.atan() - 2.0));
         check(inner, ((s + 2.0).ln().powi(3) + 4.0).powi(-2));
@@ -545,6 +552,7 @@ fn every_operation_on_scaled_views() {
         check(inner, a.powf(1.3));
         check(inner, a.tanh());
         check(inner, b.atan());
+        check(inner, a.asinh());
         check(inner, a.sin());
         check(inner, a.cos());
         check(inner, a * b);
@@ -602,6 +610,17 @@ fn operations_agree_with_each_other() {
             inner,
             ((s * 2.0).cos(), s.cos().square() - s.sin().square()),
         );
+        // sinh(arsinh s) = s.
+        let exponential = s.asinh().exp();
+        same(inner, ((exponential - exponential.recip()) * 0.5, s));
+        // Beyond the size at which s² + 1 is s² to rounding, and beyond that of its overflow.
+        for size in [2e8, -3e8, 1e200, -1e300] {
+            let logarithm = (s + 1.0).ln() + f64::ln(2.0 * size.abs());
+            same(
+                inner,
+                (((s + 1.0) * size).asinh() * size.signum(), logarithm),
+            );
+        }
         same(inner, ((s + 1.0).abs(), s + 1.0));
         // tan(atan s) = s and sin(2 atan s) = 2s/(1 + s²).
         same(inner, (s.atan().sin() / s.atan().cos(), s));
@@ -698,7 +717,7 @@ fn derivatives_of_laws_to_order_thirty() {
 /// On `f64` every method is the number's own.
 #[test]
 fn f64_is_itself() {
-    fn all<S: Scalar>(s: S) -> [f64; 17] {
+    fn all<S: Scalar>(s: S) -> [f64; 18] {
         [
             s.constant(0.1),
             -s,
@@ -715,6 +734,7 @@ fn f64_is_itself() {
             s.powf(1.7),
             s.tanh(),
             s.atan(),
+            s.asinh(),
             s.sin(),
             s.cos(),
         ]
@@ -737,6 +757,7 @@ fn f64_is_itself() {
             x.powf(1.7),
             x.tanh(),
             x.atan(),
+            x.asinh(),
             x.sin(),
             x.cos(),
         ];

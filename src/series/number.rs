@@ -13,7 +13,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{PowerSeries, TERMS};
 use crate::scalar::lanes::{self, LANES, Lanes};
-use crate::scalar::{INVERSE, LONGEST, Scalar, fused, integral, power_by_squaring, sealed};
+use crate::scalar::{
+    INVERSE, LONGEST, Scalar, fused, integral, power_by_squaring, root_beside_one, sealed,
+};
 
 /// Number of groups of four coefficients.
 const GROUPS: usize = TERMS.div_ceil(LANES);
@@ -218,6 +220,11 @@ impl Scalar for PowerSeries {
     /// y' = a'/(1 + a²).
     fn atan(self) -> Self {
         (self.derivative() / (self.square() + 1.0)).integral_from(self[0].atan())
+    }
+
+    /// y' = a'/√(1 + a²).
+    fn asinh(self) -> Self {
+        (self.derivative() / root_beside_one(self)).integral_from(self[0].asinh())
     }
 
     fn sin(self) -> Self {

@@ -1,7 +1,8 @@
 use super::State as OneMass;
 
 /// The state of several masses: displacements, velocities, the memory variables of their contacts,
-/// and [first-order states](crate::FirstOrder).
+/// and [first-order states](crate::FirstOrder). The relative velocities of contacts follow from the
+/// velocities, but may be given, too.
 ///
 /// All numbers are in the units of the system: the structure's own, or dimensionless for a
 /// [`MassOnBelt`](crate::MassOnBelt). For both kinds of system, an [`Error`](crate::Error) contains
@@ -31,7 +32,22 @@ pub struct State {
     /// all start at 0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Vec<f64>,
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
+    sliding: Option<Box<Sliding>>,
 }
+
+/// The relative velocities in a state. Behind a thin pointer, because few states have them and all
+/// errors of motions contain a state.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(transparent)
+)]
+struct Sliding(Vec<(usize, f64)>);
 
 impl State {
     /// Creates a state with the given displacements and velocities, without memory variables.
@@ -40,6 +56,7 @@ impl State {
             displacements: displacements.to_vec(),
             velocities: velocities.to_vec(),
             memory: Vec::new(),
+            sliding: None,
         }
     }
 
@@ -52,13 +69,25 @@ impl State {
         Self::new(&vec![0.0; n], &vec![0.0; n])
     }
 
-    /// All numbers: displacements, velocities, memory variables.
+    /// All numbers: displacements, velocities, memory variables, relative velocities.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         let motion = self.displacements.iter().chain(&self.velocities);
-        motion.chain(&self.memory).copied()
+        let sliding = self.sliding().iter().map(|&(_, r)| r);
+        motion.chain(&self.memory).copied().chain(sliding)
     }
 
-    /// The state of so many coordinates with these [`numbers`](Self::numbers).
+    /// The state with these displacements, velocities and memory variables.
+    pub(crate) fn of_parts([displacements, velocities, memory]: [Vec<f64>; 3]) -> Self {
+        Self {
+            displacements,
+            velocities,
+            memory,
+            sliding: None,
+        }
+    }
+
+    /// The state of so many coordinates with these [`numbers`](Self::numbers), without relative
+    /// velocities.
     pub(crate) fn of_numbers(coordinates: usize, numbers: &[f64]) -> Self {
         let (displacements, others) = numbers.split_at(coordinates);
         let (velocities, memory) = others.split_at(coordinates);
@@ -69,6 +98,54 @@ impl State {
     pub fn with_memory(mut self, memory: &[f64]) -> Self {
         self.memory = memory.to_vec();
         self
+    }
+
+    /// Sets the relative velocity r of a contact. As the difference b·v − w(t) it has lost digits
+    /// where the contact creeps: beside a plate that moves at 1e-9 m/s, a speed of 1e-12 m/s has 13
+    /// digits left. The given number has all of them, and wins: at the start of a motion the
+    /// velocities v are changed until b·v − w = r, by the change of least kinetic energy.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, RateState, Structure, structure::State};
+    ///
+    /// // A fault, by the square metre.
+    /// let law = RateState::aging(0.6, 0.01, 0.015, 8e-3, 1e-6)?;
+    /// let fault = Structure::new(&[4e6])?
+    ///     .with_ground_spring(0, 1.6e7)?
+    ///     .with_contact(Contact::new(0, law, 5e7)?.on_belt(1e-9))?;
+    /// let start = State::new(&[1.9], &[0.0]).with_memory(&[6.9]).with_sliding(0, -1.5e-12);
+    /// let motion = fault.simulate(start, 0.0)?;
+    /// assert_eq!(motion.sliding_velocity(0, 0.0), -1.5e-12);
+    /// assert_eq!(motion.last().velocities, [1e-9 - 1.5e-12]);
+    /// // A state of the motion contains it, too.
+    /// assert_eq!(motion.last().sliding(), [(0, -1.5e-12)]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_sliding(mut self, contact: usize, relative_velocity: f64) -> Self {
+        let Sliding(all) = &mut **self.sliding.get_or_insert_default();
+        let place = all.partition_point(|&(other, _)| other < contact);
+        match all.get_mut(place) {
+            Some((other, r)) if *other == contact => *r = relative_velocity,
+            _ => all.insert(place, (contact, relative_velocity)),
+        }
+        self
+    }
+
+    /// Relative velocities r of contacts, with the numbers of the contacts, ascending. States of a
+    /// motion contain those of contacts whose law [creeps](crate::ContactLaw::creeps), others none
+    /// but those given by [`with_sliding`](Self::with_sliding).
+    pub fn sliding(&self) -> &[(usize, f64)] {
+        self.sliding.as_ref().map_or(&[], |sliding| &sliding.0)
+    }
+
+    /// The same state with these relative velocities of contacts, by ascending number.
+    pub(crate) fn sliding_at(self, sliding: impl Iterator<Item = (usize, f64)>) -> Self {
+        let mut sliding = sliding.peekable();
+        let is_given = sliding.peek().is_some();
+        Self {
+            sliding: is_given.then(|| Box::new(Sliding(sliding.collect()))),
+            ..self
+        }
     }
 }
 

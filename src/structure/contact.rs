@@ -227,7 +227,7 @@ impl Contact {
     /// Sets the velocity w(t) of the surface, such as a belt, on which the contact slides. In a
     /// contact between two coordinates, w(t) is subtracted from their relative velocity.
     ///
-    /// The velocity must not jump, except at an elastic contact;
+    /// The velocity must not jump, except at an elastic contact and under a law that never sticks;
     /// [`Structure::with_contact`](crate::Structure::with_contact) checks this.
     pub fn on_belt(mut self, velocity: impl Into<Drive>) -> Self {
         self.belt_velocity = Arc::new(velocity.into());
@@ -375,11 +375,14 @@ impl Contact {
         self.belt_velocity
             .check("belt_velocity", "a belt velocity of any size")
             .map_err(|error| error.of_element(element))?;
+        let may_stick = self.law.limits(&|_| 0.0).is_some();
         match self.belt_velocity.first_jump() {
-            Some(time) if self.tangential_stiffness.is_none() => Err(Error::BeltVelocityJumps {
-                coordinate: self.coordinate,
-                time,
-            }),
+            Some(time) if self.tangential_stiffness.is_none() && may_stick => {
+                Err(Error::BeltVelocityJumps {
+                    coordinate: self.coordinate,
+                    time,
+                })
+            }
             _ => Ok(()),
         }
     }

@@ -10,6 +10,7 @@ use super::matrices::check_count;
 use crate::drive::Drive;
 use crate::error::Error;
 use crate::force::NamedForce;
+use crate::friction::memory::read::{AnyStates, RateState};
 use crate::friction::memory::{
     AnyContactLaw, Dahl, Directional, Dwell, Freewheel, LuGre, NamedLaw,
 };
@@ -73,6 +74,8 @@ pub(super) enum LawText {
     Dwell(Dwell<AnyLaw>),
     Dahl(Dahl),
     LuGre(LuGre<AnyLaw>),
+    #[serde(rename = "rate_state")]
+    RateState(RateState),
 }
 
 impl LawText {
@@ -92,6 +95,10 @@ impl LawText {
             Self::Dwell(law) => Contact::along(direction, law, load),
             Self::Dahl(law) => Contact::along(direction, law, load),
             Self::LuGre(law) => Contact::along(direction, law, load),
+            Self::RateState(law) => match law.try_into()? {
+                AnyStates::One(law) => Contact::along(direction, law, load),
+                AnyStates::Two(law) => Contact::along(direction, law, load),
+            },
         }
     }
 }

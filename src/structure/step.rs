@@ -23,12 +23,13 @@ pub struct Step {
     modes: Arc<Modes>,
     /// The number of coordinates.
     coordinates: usize,
-    /// Displacements, velocities and memory variables at the start, then at the end: in one piece,
-    /// for a step is emitted faster the fewer its parts are.
+    /// Displacements, velocities, memory variables and relative velocities at the start, then at
+    /// the end: in one piece, for a step is emitted faster the fewer its parts are.
     ends: Vec<f64>,
     /// The state at the start, once it was asked for.
     state: OnceLock<Box<State>>,
-    /// Series of the velocities, then of the memory variables; none for a step of duration 0.
+    /// Series of the velocities, then of the memory variables, then of the relative velocities that
+    /// are numbers of a state; none for a step of duration 0.
     series: Vec<PowerSeries>,
     /// Apart, because few steps have one: a step is copied faster the smaller it is.
     ending: Option<Box<Ending>>,
@@ -118,7 +119,7 @@ impl Step {
 
     /// The state with these numbers.
     fn state_of(&self, numbers: &[f64]) -> State {
-        State::of_numbers(self.coordinates, numbers)
+        self.modes.state(self.coordinates, numbers)
     }
 
     /// The state at a time, of which also the duration since the start is known.
@@ -130,20 +131,20 @@ impl Step {
         if t == self.duration && t.is_finite() {
             return self.state_of(end);
         }
-        let (velocities, memory) = self.series.split_at(self.coordinates);
+        let (velocities, memory) = self.series().split_at(self.coordinates);
+        let sliding = self.modes.sliding.iter().copied();
+        let relative = &self.series[self.series().len()..];
         let displacements = std::iter::zip(start, velocities);
-        let mut state = State {
-            displacements: displacements.map(|(q, v)| q + t * v.mean(t)).collect(),
-            velocities: velocities.iter().map(|v| v.at(t)).collect(),
-            memory: memory.iter().map(|z| z.at(t)).collect(),
-        };
-        let State {
-            displacements,
-            velocities,
-            memory,
-        } = &mut state;
+        let displacements = displacements.map(|(q, v)| q + t * v.mean(t));
+        let mut parts: [Vec<f64>; 3] = [
+            displacements.collect(),
+            velocities.iter().map(|v| v.at(t)).collect(),
+            memory.iter().map(|z| z.at(t)).collect(),
+        ];
+        let [displacements, velocities, memory] = &mut parts;
         self.modes.put(time, displacements, velocities, memory);
-        state
+        let sliding = std::iter::zip(sliding, relative.iter().map(|r| r.at(t)));
+        State::of_parts(parts).sliding_at(sliding)
     }
 
     /// The same step with another state at its end.
@@ -224,7 +225,8 @@ impl Step {
     /// Power series of the velocities in the time since the start, then of the memory variables;
     /// none for a step of duration 0.
     pub(crate) fn series(&self) -> &[PowerSeries] {
-        &self.series
+        let count = self.series.len().saturating_sub(self.modes.sliding.len());
+        &self.series[..count]
     }
 
     /// Returns true if a release at its end was forced by a jump of a drive.
@@ -348,6 +350,29 @@ impl Trajectory<State> {
     /// exist.
     pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         self.step_at(time)?.modes().get(contact).copied()
+    }
+
+    /// The relative velocity r of a contact at a time of the motion; it is exact to its last digits
+    /// also where the contact [creeps](crate::ContactLaw::creeps). 0 if the contact sticks. NaN if
+    /// the time lies outside the motion or is NaN, or if the contact does not exist.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
+    ///
+    /// let contact = Contact::new(0, Coulomb::new(0.4, 0.4)?, 10.0)?.on_belt(0.5);
+    /// let block = Structure::new(&[2.0])?.with_contact(contact)?;
+    /// let motion = block.simulate(State::at_rest(1), 1.0)?;
+    /// // The belt drags the block along: r' = 2.
+    /// assert_eq!(motion.sliding_velocity(0, 0.125), -0.25);
+    /// assert_eq!(motion.sliding_velocity(0, 0.5), 0.0);
+    /// assert!(motion.sliding_velocity(1, 0.5).is_nan());
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn sliding_velocity(&self, contact: usize, time: f64) -> f64 {
+        self.step_at(time).map_or(f64::NAN, |step| {
+            let state = step.state_at_time(time);
+            step.modes.relative_velocity(contact, time, &state)
+        })
     }
 
     /// Samples of the motion at equal intervals, from its start to the last sampling time within

@@ -11,3 +11,4 @@ mod misprints;
 mod motions;
 mod orders;
 mod properties;
+mod rate_state;

@@ -4,7 +4,7 @@ use serde_json::Value;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, Directional, Drive, Dwell, Error, Exponential,
-    Freewheel, FrictionLaw, LuGre, Polynomial, Rational, Scalar, Structure,
+    Freewheel, FrictionLaw, LuGre, Polynomial, RateState, Rational, Scalar, Structure,
 };
 
 use crate::forces::element;
@@ -210,7 +210,21 @@ impl<L: Into<AnyLaw>> From<L> for Raised {
     }
 }
 
+/// A rate-and-state law.
+pub fn rate_state(contact: &Value) -> RateState {
+    let parameters = &contact["law_params"];
+    let [f0, a, b, d_c, v0] = ["f0", "a", "b", "dc", "v0"].map(|name| number(&parameters[name]));
+    let law = match text(&parameters["evolution"]) {
+        "aging" => RateState::aging(f0, a, b, d_c, v0),
+        _ => RateState::slip(f0, a, b, d_c, v0),
+    };
+    law.unwrap()
+}
+
 fn contact_law(contact: &Value) -> AnyContactLaw<Raised> {
+    if text(&contact["law"]) == "rate_state" {
+        return rate_state(contact).into();
+    }
     let (dwell, bristle) = (&contact["dwell"], &contact["bristle"]);
     let value = |name: &str| number(&dwell[name]);
     if !dwell.is_null() {

@@ -11,8 +11,8 @@ use stick_slip::orbit::{self, Period};
 use stick_slip::{
     Backlash, Contact, ContactLaw, Coulomb, Dahl, Directional, Drive, Dwell, Error, EventKind,
     Exponential, FirstOrder, ForceElement, ForceLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion,
-    Pendulum, Physical, Polynomial, PolynomialSpring, Rational, Scalar, Scaled, Scaling, Search,
-    Slip, SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction,
+    Pendulum, Physical, Polynomial, PolynomialSpring, RateState, Rational, Scalar, Scaled, Scaling,
+    Search, Slip, SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction,
     VanDerPol, bifurcation, check_law, structure,
 };
 use stick_slip_tests_common::masses::driven as forced;
@@ -224,6 +224,17 @@ fn laws() -> Vec<Case> {
         "LuGre" "stiffness" NOT_ABOVE, |x| LuGre::new(law(), x, 1.0, 0.0);
         "LuGre" "damping" BELOW, |x| LuGre::new(law(), 1e3, x, 0.0);
         "LuGre" "viscous" BELOW, |x| LuGre::new(law(), 1e3, 1.0, x);
+        "RateState" "f0" &ANY, |x| RateState::aging(x, 0.01, 0.015, 1e-5, 1e-6);
+        "RateState" "a" NOT_ABOVE, |x| RateState::slip(0.6, x, 0.015, 1e-5, 1e-6);
+        "RateState" "b" &ANY, |x| RateState::aging(0.6, 0.01, x, 1e-5, 1e-6);
+        "RateState" "d_c" NOT_ABOVE, |x| RateState::slip(0.6, 0.01, 0.015, x, 1e-6);
+        "RateState" "v0" NOT_ABOVE, |x| RateState::aging(0.6, 0.01, 0.015, 1e-5, x);
+        "RateState" "b2" &ANY,
+            |x| RateState::aging(0.6, 0.01, 0.015, 1e-5, 1e-6)?.with_second_state(x, 1e-4);
+        "RateState" "d_c2" NOT_ABOVE,
+            |x| RateState::aging(0.6, 0.01, 0.015, 1e-5, 1e-6)?.with_second_state(0.01, x);
+        "RateState" "v_m" NOT_ABOVE,
+            |x| RateState::slip(0.6, 0.01, 0.015, 1e-5, 1e-6)?.with_least_speed(x);
         "Dahl" "coefficient" NOT_ABOVE, |x| Dahl::new(x, 1e3);
         "Dahl" "stiffness" NOT_ABOVE, |x| Dahl::new(0.4, x);
         "Directional" "static_coefficient" BELOW, |x| Directional::capstan(x, 0.2, 1.0);
@@ -331,6 +342,11 @@ fn systems() -> Vec<Case> {
         "Structure" "force on coordinate 1" &ANY, |x| blocks().with_force(1, x);
         "Structure" "contact 0" &ANY,
             |x| Structure::new(&[1.0])?.with_contact(Contact::new(0, law(), 1.0)?.on_belt(x));
+        "State" "sliding" &ANY, |x| {
+            let contact = Contact::new(0, law(), 1.0)?.on_belt(0.1);
+            let start = structure::State::new(&[0.0], &[0.0]).with_sliding(0, x);
+            Structure::new(&[1.0])?.with_contact(contact)?.simulate(start, 1.0)
+        };
         "Structure" "memory" &ANY, |x| {
             let brush = Contact::new(0, Dahl::new(0.4, 1e3)?, 1.0)?.on_belt(0.1);
             let start = structure::State::new(&[0.0], &[0.0]).with_memory(&[x]);

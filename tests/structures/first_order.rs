@@ -149,10 +149,8 @@ fn first_order_states_are_velocities_of_coordinates() {
             .unwrap()
             .last()
             .memory;
-        let one = State {
-            memory: [&memory[..], &one.memory].concat(),
-            ..one
-        };
+        let memory = [&memory[..], &one.memory].concat();
+        let one = one.with_memory(&memory);
         let motions = [(&with_states, one), (&with_coordinates, other.clone())];
         let [Ok(found), Ok(motion)] = motions.map(|(s, start)| run(s, 0.0, start)) else {
             continue;

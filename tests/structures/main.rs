@@ -32,6 +32,7 @@ mod memory;
 mod memory_formulas;
 mod not_numbers;
 mod random;
+mod rate_state;
 mod restarts;
 mod steady;
 mod steady_at;

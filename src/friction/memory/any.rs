@@ -1,4 +1,4 @@
-use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, NamedLaw, Slip};
+use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, NamedLaw, RateState, Slip};
 use crate::friction::FrictionLaw;
 use crate::friction::law::{LawRef, Own};
 use crate::scalar::Scalar;
@@ -38,6 +38,9 @@ pub enum AnyContactLaw<L> {
     Dahl(Dahl),
     /// Bristles whose friction in steady sliding follows a dry law.
     LuGre(LuGre<L>),
+    /// Rate-and-state friction with one state variable.
+    #[cfg_attr(feature = "serde", serde(rename = "rate_state"))]
+    RateState(RateState),
 }
 
 impl<L> From<Dwell<L>> for AnyContactLaw<L> {
@@ -58,6 +61,12 @@ impl<L> From<LuGre<L>> for AnyContactLaw<L> {
     }
 }
 
+impl<L> From<RateState> for AnyContactLaw<L> {
+    fn from(law: RateState) -> Self {
+        Self::RateState(law)
+    }
+}
+
 impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
     type Memory<S: Scalar> = [S; 1];
 
@@ -68,6 +77,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
             Self::Dwell(law) => law.coefficient(slip, memory),
             Self::Dahl(law) => law.coefficient(slip, memory),
             Self::LuGre(law) => law.coefficient(slip, memory),
+            Self::RateState(law) => law.coefficient(slip, memory),
         }
     }
 
@@ -78,6 +88,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
             Self::Dwell(law) => law.limit(zero, memory),
             Self::Dahl(law) => law.limit(zero, memory),
             Self::LuGre(law) => law.limit(zero, memory),
+            Self::RateState(law) => law.limit(zero, memory),
         }
     }
 
@@ -88,6 +99,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
             Self::Dwell(law) => law.rates(motion, load, memory),
             Self::Dahl(law) => law.rates(motion, load, memory),
             Self::LuGre(law) => law.rates(motion, load, memory),
+            Self::RateState(law) => law.rates(motion, load, memory),
         }
     }
 
@@ -101,6 +113,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
         match self {
             Self::Dahl(law) => law.coefficient_and_rates(slip, load, memory),
             Self::LuGre(law) => law.coefficient_and_rates(slip, load, memory),
+            Self::RateState(law) => law.coefficient_and_rates(slip, load, memory),
             Self::Dry(_) | Self::Dwell(_) => {
                 let coefficient = self.coefficient(slip, memory);
                 (coefficient, self.rates(Motion::Slip(slip), load, memory))
@@ -113,9 +126,13 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
             Self::Dry(law) => Some(law),
             Self::Dwell(law) => Some(law.law()),
             Self::LuGre(law) => Some(law.law()),
-            Self::Dahl(_) => None,
+            Self::Dahl(_) | Self::RateState(_) => None,
         };
         law.into_iter().flat_map(FrictionLaw::breakpoints)
+    }
+
+    fn creeps(&self) -> bool {
+        matches!(self, Self::RateState(_))
     }
 
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
@@ -131,6 +148,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
             Self::Dwell(law) => law.named(),
             Self::Dahl(law) => law.named(),
             Self::LuGre(law) => law.named(),
+            Self::RateState(law) => law.named(),
         }
     }
 
@@ -138,7 +156,7 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
         match self {
             Self::Dry(law) => law.dry_slip(direction),
             Self::Dwell(law) => law.dry_slip(direction),
-            Self::Dahl(_) | Self::LuGre(_) => None,
+            Self::Dahl(_) | Self::LuGre(_) | Self::RateState(_) => None,
         }
     }
 }

@@ -7,6 +7,7 @@
 // | `freewheel.rs` | a contact that slips in one direction only |
 // | `dwell.rs` | static friction that rises with the time in stick |
 // | `bristle.rs` | LuGre's and Dahl's bristles |
+// | `rate_state.rs` | rate-and-state friction |
 // | `any.rs` | a contact law chosen at run time |
 // | `object.rs` | a contact law as a trait object, for the engine |
 // | `sliding.rs` | steady sliding of a contact with memory, linearised |
@@ -22,8 +23,9 @@ mod dwell;
 mod freewheel;
 #[cfg(feature = "structures")]
 pub(crate) mod object;
+mod rate_state;
 #[cfg(feature = "serde")]
-mod read;
+pub(crate) mod read;
 #[cfg(feature = "structures")]
 mod sliding;
 
@@ -34,6 +36,8 @@ pub(crate) use check::validate;
 pub use directional::Directional;
 pub use dwell::Dwell;
 pub use freewheel::Freewheel;
+pub(crate) use rate_state::Evolution;
+pub use rate_state::{RateState, RateState2};
 #[cfg(feature = "structures")]
 pub(crate) use sliding::{Input, Sliding};
 
@@ -126,6 +130,11 @@ pub enum NamedLaw {
     Sided(SidedLaw),
     /// A law with one memory variable, which a dry law does not use.
     Contact(AnyContactLaw<AnyLaw>),
+    /// A rate-and-state law with two memory variables.
+    TwoStates {
+        /// The law, under its name.
+        rate_state: RateState2,
+    },
 }
 
 /// A law of the crate that depends on the direction of slip. Not exported.
@@ -260,6 +269,14 @@ pub trait ContactLaw: Sized {
     /// The memory just after a stick or release event, as a function of the memory just before the
     /// event. The state stored in the event contains the memory just before the event.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
+
+    /// Returns true if a contact with this law may creep far more slowly than its surface moves,
+    /// with friction that depends on every digit of its speed, such as on ln |r|. The states of a
+    /// motion then contain the relative velocity as a number of its own
+    /// ([`sliding`](crate::structure::State::sliding)).
+    fn creeps(&self) -> bool {
+        false
+    }
 
     /// The coefficient and the rates in slip. Write this function if both have operations in
     /// common.

@@ -44,6 +44,8 @@ pub(crate) trait LawObject {
         memory: Memory<'_>,
         take: &mut dyn FnMut(usize, f64),
     );
+    /// See [`ContactLaw::creeps`].
+    fn creeps(&self) -> bool;
     /// The memory after slip has ended in stick, or stick in slip.
     fn caught(&self, memory: &mut [f64]);
     /// Steady sliding under a load N; `None` if no memory is stationary.
@@ -115,6 +117,7 @@ impl fmt::Debug for dyn LawObject + '_ {
             Some(NamedLaw::Dry(law)) => law.fmt(f),
             Some(NamedLaw::Sided(law)) => law.fmt(f),
             Some(NamedLaw::Contact(law)) => law.fmt(f),
+            Some(NamedLaw::TwoStates { rate_state }) => rate_state.fmt(f),
             None => f.write_str("a user's law"),
         }
     }
@@ -182,6 +185,10 @@ impl<L: ContactLaw> LawObject for L {
         for (j, rate) in rates.as_ref().iter().enumerate() {
             take(j, *rate);
         }
+    }
+
+    fn creeps(&self) -> bool {
+        ContactLaw::creeps(self)
     }
 
     fn caught(&self, memory: &mut [f64]) {

@@ -55,23 +55,36 @@ impl Sliding {
     }
 
     fn find(count: usize, law: &Slopes<'_>) -> Option<Self> {
-        /// Bristles take one.
-        const MOST_ITERATIONS: usize = 100;
+        /// Bristles take one, a rate-and-state law one for each factor e between its speeds.
+        const MOST_ITERATIONS: usize = 400;
+        /// Halvings of a change, after which it is below rounding.
+        const MOST_HALVINGS: i32 = 60;
         let mut memory = vec![0.0; count];
+        let (mut here, mut rates) = Self::at(law, &memory);
         if count == 0 {
-            return Some(Self::at(law, &memory).0);
+            return Some(here);
         }
         for _ in 0..MOST_ITERATIONS {
-            let (here, rates) = Self::at(law, &memory);
+            let size = sum_of_squares(&rates);
             let change = here.memory_for(rates)?;
-            let mut settled = true;
-            for (number, change) in std::iter::zip(&mut memory, change.iter()) {
-                *number -= change;
-                settled &= change.abs() <= 4.0 * f64::EPSILON * number.abs();
+            // In full, or the longest part of it that makes the rates smaller.
+            let parts = (0..MOST_HALVINGS).map(|halvings| 0.5_f64.powi(halvings));
+            let mut tried = parts.map(|part| {
+                let mut changed = memory.clone();
+                for (number, change) in std::iter::zip(&mut changed, &change) {
+                    *number -= part * change;
+                }
+                let is_settled =
+                    (0..count).all(|i| here.is_rounding(i, part * change[i], changed[i]));
+                (is_settled, Self::at(law, &changed))
+            });
+            let (is_settled, found) = tried
+                .find(|(is_settled, (_, rates))| *is_settled || sum_of_squares(rates) < size)?;
+            (here, rates) = found;
+            if is_settled {
+                return Some(here);
             }
-            if settled {
-                return Some(Self::at(law, &memory).0);
-            }
+            memory.clone_from(&here.memory);
         }
         None
     }
@@ -96,6 +109,14 @@ impl Sliding {
         let change = self.memory_for(self.rates_by_load.clone())?;
         let parts = std::iter::zip(&self.by_memory, &change);
         Some(-parts.map(|(slope, change)| slope * change).sum::<f64>())
+    }
+
+    /// Returns true if a change of memory variable i to a number is rounding, of the number itself
+    /// or of the coefficient.
+    fn is_rounding(&self, i: usize, change: f64, number: f64) -> bool {
+        let effect = (self.by_memory[i] * change).abs();
+        change.abs() <= 4.0 * f64::EPSILON * number.abs()
+            || effect > 0.0 && effect <= f64::EPSILON * self.coefficient.abs()
     }
 
     /// Returns true if slip changes memory variable i.
@@ -132,6 +153,10 @@ impl Sliding {
         };
         (sliding, rates)
     }
+}
+
+fn sum_of_squares(numbers: &[f64]) -> f64 {
+    numbers.iter().map(|number| number * number).sum()
 }
 
 /// Values and derivatives by an input, in slip under a load.

@@ -5,7 +5,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Jet, Line};
 use crate::scalar::products::{inner_product, inner_square};
-use crate::scalar::{INVERSE, LONGEST, Scalar, integral, mul_add, power_by_squaring, sealed};
+use crate::scalar::{
+    INVERSE, LONGEST, Scalar, integral, mul_add, power_by_squaring, root_beside_one, sealed,
+};
 
 /// k, which is quicker to look up than to convert.
 const ORDER: [f64; LONGEST] = {
@@ -33,6 +35,23 @@ impl<'r> Jet<'r> {
             self.run
                 .set(row, ORDER[self.order() % LONGEST] * self.newest());
         }
+    }
+
+    /// b·y' = a', where y is a function of a.
+    #[inline(always)]
+    fn divided_integral(self, b: Self, function: impl Fn(f64) -> f64) -> Self {
+        let a = self;
+        let (y, weighted) = (self.run.claim(), self.run.claim());
+        let y = self.operation(
+            y,
+            || (function(a.value), a.derivative() / b.value),
+            |k| {
+                let older = inner_product(k, &weighted.c, &b.row.c) * INVERSE[k];
+                (a.scale * a.rest - b.scale * older) / b.value
+            },
+        );
+        y.write_weighted(weighted);
+        y
     }
 
     /// S' = C·a', C' = −S·a'.
@@ -203,18 +222,13 @@ impl Scalar for Jet<'_> {
     /// b·y' = a', b = 1 + a².
     #[inline]
     fn atan(self) -> Self {
-        let (a, b) = (self, self.square() + 1.0);
-        let (y, weighted) = (self.run.claim(), self.run.claim());
-        let y = self.operation(
-            y,
-            || (a.value.atan(), a.derivative() / b.value),
-            |k| {
-                let older = inner_product(k, &weighted.c, &b.row.c) * INVERSE[k];
-                (a.scale * a.rest - older) / b.value
-            },
-        );
-        y.write_weighted(weighted);
-        y
+        self.divided_integral(self.square() + 1.0, f64::atan)
+    }
+
+    /// b·y' = a', b = √(1 + a²).
+    #[inline]
+    fn asinh(self) -> Self {
+        self.divided_integral(root_beside_one(self), f64::asinh)
     }
 
     #[inline]

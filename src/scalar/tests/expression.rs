@@ -32,6 +32,7 @@ enum Node {
     Powf(Expression, f64),
     Tanh(Expression),
     Atan(Expression),
+    Asinh(Expression),
     Sin(Expression),
     Cos(Expression),
     Abs(Expression),
@@ -82,6 +83,7 @@ macro_rules! functions {
 
 impl Expression {
     functions!(recip Recip  square Square  exp Exp  ln Ln  sqrt Sqrt  tanh Tanh  atan Atan);
+    functions!(asinh Asinh);
     functions!(sin Sin  cos Cos  abs Abs);
     pub(super) fn constant(self, c: f64) -> Self {
         node(Node::Constant(self, c))
@@ -128,6 +130,7 @@ macro_rules! evaluate {
             Node::Powf(a, p) => a.$value($s).powf(p),
             Node::Tanh(a) => a.$value($s).tanh(),
             Node::Atan(a) => a.$value($s).atan(),
+            Node::Asinh(a) => a.$value($s).asinh(),
             Node::Sin(a) => a.$value($s).sin(),
             Node::Cos(a) => a.$value($s).cos(),
             Node::Abs(a) => $abs(a.$value($s)),

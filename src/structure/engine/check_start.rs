@@ -21,6 +21,30 @@ pub(in crate::structure) fn check_start(
             });
         }
     }
+    for &(contact, relative_velocity) in start.sliding() {
+        let is_rigid = model
+            .contacts
+            .get(contact)
+            .is_some_and(|contact| !contact.is_elastic());
+        let allowed = "a contact of the structure that is not elastic";
+        Error::check(
+            "State",
+            "contact of sliding",
+            contact as f64,
+            is_rigid,
+            allowed,
+        )?;
+        Error::check("State", "sliding", relative_velocity, true, "any size")?;
+    }
+    if !start
+        .sliding()
+        .is_sorted_by(|(one, _), (other, _)| one < other)
+    {
+        let contacts = start.sliding().iter().map(|&(contact, _)| contact as f64);
+        let contact = contacts.fold(f64::NAN, f64::max);
+        let allowed = "contacts in ascending order; use `with_sliding`";
+        Error::check("State", "contact of sliding", contact, false, allowed)?;
+    }
     for &value in &start.memory {
         Error::check("Structure", "memory", value, true, "any size")?;
     }

@@ -185,6 +185,24 @@ impl<'s> ContactData<'s> {
     }
 }
 
+/// What determines the relative velocity b·v − w of a contact.
+#[derive(Debug, Clone)]
+pub(super) struct Kinematics {
+    pub(super) direction: Box<[(usize, f64)]>,
+    pub(super) belt_velocity: Arc<Drive>,
+    pub(super) is_elastic: bool,
+}
+
+impl Kinematics {
+    pub(super) fn of(contact: &ContactData<'_>) -> Self {
+        Self {
+            direction: contact.direction.as_ref().into(),
+            belt_velocity: Arc::clone(&contact.belt_velocity),
+            is_elastic: contact.is_elastic(),
+        }
+    }
+}
+
 impl ContactData<'_> {
     /// (M⁻¹b)_j/G_cc of a shared contact.
     pub(crate) fn response(&self, coordinate: usize) -> f64 {

@@ -280,10 +280,12 @@ fn law_fault(model: &Model<'_>, situation: &Situation, series: &Series) -> Optio
         let value = series.friction[0];
         if !value.is_finite() {
             Some(LawFault::NonFinite { speed, value })
-        } else if !series.friction[1].is_finite() && series.speeds[1].is_finite() {
-            Some(LawFault::NotAnalytic { speed })
         } else {
-            None
+            // A rate of the memory without a power series acts one order later.
+            let is_singular =
+                |k: usize| !series.friction[k].is_finite() && series.speeds[k].is_finite();
+            let is_singular = is_singular(1) || is_singular(2);
+            is_singular.then_some(LawFault::NotAnalytic { speed })
         }
     });
     of_friction.or_else(|| force_fault(model, series))

@@ -85,7 +85,7 @@ use limits::larger_finite;
 use mechanisms::Mechanism;
 use model::Model;
 use modes::{At, Modes};
-use modes_after::{close, decide};
+use modes_after::{begin, decide, slide};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
@@ -145,13 +145,10 @@ impl<'s> Engine<'s> {
             ..
         } = &mut engine;
         for c in 0..model.contacts.len() {
-            let contact = &model.contacts[c];
-            let displacement = |j: usize| situation.coordinates[j].displacement;
-            // One that slips in one direction only has no force without a load: it is open, and
-            // closes if the load rises.
-            if !contact.is_one_way() || contact.load_at(clock.time, displacement) > 0.0 {
-                close(model, situation, series, c)?;
-            }
+            begin(model, situation, series, c)?;
+        }
+        if !start.sliding().is_empty() {
+            slide(model, situation, series, start.sliding())?;
         }
         expand_drives(model, situation, series);
         let state = situation.state(model, series);
@@ -184,7 +181,8 @@ impl<'s> Engine<'s> {
             return Err(error);
         }
         let n = self.model.len();
-        let mut ends = Vec::with_capacity(2 * (2 * n + self.model.remembered()));
+        let numbers = 2 * n + self.model.remembered() + self.model.creeping.len();
+        let mut ends = Vec::with_capacity(2 * numbers);
         let (start, modes) = (self.situation.clock, Arc::clone(&self.modes));
         self.situation.add_to(&mut ends, &self.model, &self.series);
         modes.put_at_end(start.time, At::After, n, &mut ends);
@@ -226,7 +224,7 @@ impl<'s> Engine<'s> {
             Ok(()) => {
                 let after = Arc::new(Modes::of(model, situation));
                 after.carry(time, &mut at_end[n..2 * n]);
-                let end = State::of_numbers(n, at_end);
+                let end = modes.state(n, at_end);
                 events = events_between(&now.modes, situation, &end);
                 *now = after;
             }
@@ -438,7 +436,8 @@ impl<'s> Engine<'s> {
             .collect()
     }
 
-    /// Series of all velocities, then of the memory and of first-order states.
+    /// Series of all velocities, then of the memory and of first-order states, then of the relative
+    /// velocities that are numbers of a state.
     fn emitted(&self) -> Vec<PowerSeries> {
         let mut series = Vec::with_capacity(self.model.len() + self.model.remembered());
         let coordinates = self.series.coordinates.iter();
@@ -447,6 +446,10 @@ impl<'s> Engine<'s> {
             let contacts = self.series.contacts.iter();
             series.extend(contacts.flat_map(|contact| &contact.memories));
             series.extend(&self.series.states);
+        }
+        for (c, _) in self.situation.sliding(&self.model) {
+            let of = &self.series.contacts[c];
+            series.push(of.speeds.scaled(of.side));
         }
         series
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::contact::{ContactData, Entries, Site, entry};
+use super::contact::{ContactData, Entries, Kinematics, Site, entry};
 use super::element::ElementData;
 use super::first_order::{FirstOrderData, fastest_loop, find_acting};
 use super::sparse::{Sparse, SparsePair};
@@ -47,6 +47,10 @@ pub(crate) struct Model<'s> {
     pub(crate) first_order: Vec<FirstOrderData>,
     /// Number of memory variables of all contacts.
     of_contacts: usize,
+    /// The contacts whose laws creep: see [`ContactLaw::creeps`](crate::ContactLaw::creeps).
+    pub(super) creeping: Vec<usize>,
+    /// Of all contacts, shared with the steps of motions.
+    pub(super) kinematics: Arc<[Kinematics]>,
     /// The number of the contact that a coordinate has to itself.
     pub(crate) owner: Vec<Option<usize>>,
     /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that coupled
@@ -145,6 +149,8 @@ impl<'s> Model<'s> {
             elements,
             first_order,
             of_contacts: 0,
+            creeping: Vec::new(),
+            kinematics: Arc::default(),
             owner: vec![None; n],
             shared: Vec::new(),
             shared_coordinates: Vec::new(),
@@ -160,6 +166,10 @@ impl<'s> Model<'s> {
         };
         model.place_contacts();
         model.place_states();
+        model.kinematics = model.contacts.iter().map(Kinematics::of).collect();
+        let creeps =
+            |c: &usize| !model.contacts[*c].is_elastic() && model.contacts[*c].law.creeps();
+        model.creeping = (0..model.contacts.len()).filter(creeps).collect();
         model.place_springs();
         model.place_drives();
         model.bandwidth = model.largest_distance();

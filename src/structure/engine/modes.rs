@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::contact::{ContactData, load_at};
+use super::contact::{ContactData, Kinematics, load_at};
 use super::factor::Pivot;
 use super::model::Model;
 use super::state::{ContactState, Situation};
@@ -14,6 +14,7 @@ use crate::drive::Drive;
 use crate::motion::Mode;
 use crate::numerics::sort::sort_by;
 use crate::state::Direction;
+use crate::state::structure::State;
 
 /// The modes of all contacts in a step; shared by steps in the same modes.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +24,9 @@ pub(crate) struct Modes {
     carried: Vec<(usize, Arc<Drive>)>,
     /// Other velocities that follow from contacts in stick, in this order.
     held: Vec<Pivot>,
+    /// The contacts whose relative velocities are numbers of a state.
+    pub(crate) sliding: Vec<usize>,
+    kinematics: Arc<[Kinematics]>,
     /// The surfaces of these contacts, by ascending number of the contact.
     surfaces: Vec<(usize, Arc<Drive>)>,
     limits: Vec<Limit>,
@@ -53,6 +57,8 @@ impl Modes {
         let modes = situation.contacts.iter().map(ContactState::mode);
         let mut all = Self {
             modes: modes.collect(),
+            sliding: situation.sliding(model).map(|(c, _)| c).collect(),
+            kinematics: Arc::clone(&model.kinematics),
             ..Self::default()
         };
         for (c, contact) in model.contacts.iter().enumerate() {
@@ -73,6 +79,32 @@ impl Modes {
             all.held = model.pivots(holding);
         }
         all
+    }
+
+    /// The state of so many coordinates with these numbers.
+    pub(crate) fn state(&self, coordinates: usize, numbers: &[f64]) -> State {
+        let count = numbers.len().saturating_sub(self.sliding.len());
+        let (others, sliding) = numbers.split_at(count);
+        let sliding = std::iter::zip(self.sliding.iter().copied(), sliding.iter().copied());
+        State::of_numbers(coordinates, others).sliding_at(sliding)
+    }
+
+    /// The relative velocity of a contact in a state of these modes at a time; NaN if there is no
+    /// such contact.
+    pub(crate) fn relative_velocity(&self, contact: usize, time: f64, state: &State) -> f64 {
+        let (Some(mode), Some(of)) = (self.modes.get(contact), self.kinematics.get(contact)) else {
+            return f64::NAN;
+        };
+        if *mode == Mode::Stick && !of.is_elastic {
+            return 0.0;
+        }
+        match state.sliding().iter().find(|&&(c, _)| c == contact) {
+            Some(&(_, relative_velocity)) => relative_velocity,
+            None => {
+                let along = of.direction.iter().map(|&(j, b)| b * state.velocities[j]);
+                along.sum::<f64>() - of.belt_velocity.value(time)
+            }
+        }
     }
 
     /// Sets the numbers of a state at a time within the step that the modes determine: the

@@ -183,17 +183,51 @@ pub(super) fn close(
     let velocity = |j: usize| situation.velocity(model, series, j);
     let time = situation.clock.time;
     let relative = contact.sliding_velocity(velocity, [surface[0], surface[1]], time);
+    check_way(situation, c, relative)?;
+    set_phase(model, situation, c, relative);
+    Ok(())
+}
+
+/// The phase of a contact at the start of a motion.
+///
+/// # Errors
+///
+/// Those of [`close`].
+pub(super) fn begin(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    c: usize,
+) -> Result<(), Error> {
+    let contact = &model.contacts[c];
+    let displacement = |j: usize| situation.coordinates[j].displacement;
+    // One that slips in one direction only has no force without a load: it is open, and closes if
+    // the load rises.
+    if contact.is_one_way() && contact.load_at(situation.clock.time, displacement) <= 0.0 {
+        return Ok(());
+    }
+    close(model, situation, series, c)
+}
+
+/// Refuses slip in the direction in which a contact cannot slip.
+fn check_way(situation: &Situation, c: usize, relative: f64) -> Result<(), Error> {
+    match (Direction::of(relative), situation.contacts[c].limits) {
+        (Some(side), Some(limits)) if limits[side.place()] == f64::INFINITY => {
+            Err(Error::WrongWay {
+                contact: c,
+                velocity: relative,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The phase of a closed contact with this relative velocity.
+pub(super) fn set_phase(model: &Model<'_>, situation: &mut Situation, c: usize, relative: f64) {
+    let contact = &model.contacts[c];
     let from = situation.displacement_along(contact);
     let since = situation.clock;
     let state = &mut situation.contacts[c];
-    if let (Some(side), Some(limits)) = (Direction::of(relative), state.limits)
-        && limits[side.place()] == f64::INFINITY
-    {
-        return Err(Error::WrongWay {
-            contact: c,
-            velocity: relative,
-        });
-    }
     (state.entry, state.phase) = match Direction::of(relative) {
         None => (Entry::Arrived(None), Phase::Stick { since, from }),
         Some(direction) => {
@@ -207,6 +241,49 @@ pub(super) fn close(
             (Entry::Held, slip)
         }
     };
+}
+
+/// Gives contacts at the start of a motion these relative velocities, and changes the velocities of
+/// the coordinates accordingly.
+pub(super) fn slide(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    given: &[(usize, f64)],
+) -> Result<(), Error> {
+    /// Contacts that share masses cannot have any relative velocities if their directions depend.
+    const ROUNDING: f64 = 1e-9;
+    for &(c, relative) in given {
+        check_way(situation, c, relative)?;
+        set_phase(model, situation, c, relative);
+    }
+    let shared = given.iter().filter(|&&(c, _)| model.is_shared(c));
+    let holding = model.independent(shared.map(|&(c, _)| c).collect(), &|_| 0.0);
+    let relative_to = |c: usize| {
+        let place = given.binary_search_by_key(&c, |&(c, _)| c);
+        let relative = place.map_or(0.0, |place| given[place].1);
+        relative + series.contacts[c].surface[0]
+    };
+    let along = |situation: &Situation, c: usize| {
+        let velocity = |j: usize| situation.coordinates[j].velocity;
+        model.contacts[c].along(velocity)
+    };
+    let corrections = model.corrections(&holding, &|c| along(situation, c) - relative_to(c));
+    for (j, correction) in corrections {
+        situation.coordinates[j].velocity -= correction;
+    }
+    for &(c, relative) in given.iter().filter(|&&(c, _)| model.is_shared(c)) {
+        let size = model.contacts[c].size_along(|j| situation.coordinates[j].velocity);
+        let apart = (along(situation, c) - relative_to(c)).abs();
+        let is_possible = apart <= ROUNDING * (size + relative_to(c).abs());
+        let allowed = "what the relative velocities of contacts with dependent directions allow";
+        Error::check("State", "sliding", relative, is_possible, allowed)?;
+    }
+    for c in 0..model.contacts.len() {
+        if given.binary_search_by_key(&c, |&(c, _)| c).is_err() {
+            begin(model, situation, series, c)?;
+        }
+    }
     Ok(())
 }
 

@@ -575,7 +575,7 @@ fn unsolved(reason: Unsolved, model: &Model<'_>, situation: &Situation, series: 
             contacts,
             subsets,
             most: MOST_SUBSETS,
-            reached: situation.reached(model, series),
+            reached: Box::new(situation.reached(model, series)),
         },
     }
 }

@@ -217,6 +217,20 @@ impl Situation {
         contact.along(|j| self.coordinates[j].displacement)
     }
 
+    /// The contacts whose relative velocities are numbers of a state, with these.
+    pub(super) fn sliding(&self, model: &Model<'_>) -> impl Iterator<Item = (usize, f64)> {
+        model
+            .creeping
+            .iter()
+            .filter_map(|&c| match self.contacts[c].phase {
+                // Never −0.
+                Phase::Slip {
+                    direction, speed, ..
+                } => Some((c, direction.sign() * speed + 0.0)),
+                Phase::Open | Phase::Stick { .. } => None,
+            })
+    }
+
     /// The state, with the memory of the contacts and the first-order states.
     pub(super) fn state(&self, model: &Model<'_>, series: &Series) -> State {
         let mut memory = Vec::with_capacity(model.remembered());
@@ -225,13 +239,10 @@ impl Situation {
             memory.extend(&self.states);
         }
         let velocities = 0..self.coordinates.len();
-        State {
-            displacements: self.coordinates.iter().map(|q| q.displacement).collect(),
-            velocities: velocities
-                .map(|i| self.velocity(model, series, i))
-                .collect(),
-            memory,
-        }
+        let displacements = self.coordinates.iter().map(|q| q.displacement);
+        let velocities = velocities.map(|i| self.velocity(model, series, i));
+        let parts = [displacements.collect(), velocities.collect(), memory];
+        State::of_parts(parts).sliding_at(self.sliding(model))
     }
 
     /// Adds all numbers of the state to a list: see [`state`](Self::state).
@@ -243,6 +254,7 @@ impl Situation {
             list.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
             list.extend(&self.states);
         }
+        list.extend(self.sliding(model).map(|(_, r)| r));
     }
 
     /// Returns true if these are the modes of all contacts.

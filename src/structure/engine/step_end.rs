@@ -4,6 +4,7 @@ use super::edge::Edge;
 use super::events::Firings;
 use super::expand::expand_drives;
 use super::model::Model;
+use super::modes_after::set_phase;
 use super::reconcile::{arrive_with_others, reconcile};
 use super::series::Series;
 use super::springs::land_springs;
@@ -77,12 +78,32 @@ pub(super) fn land(
         }
     }
     expand_drives(model, situation, series);
+    if let Some(time) = settled.at_break {
+        slide_on(model, situation, series, time);
+    }
     land_springs(model, situation, series, settled.at_break);
     if !model.shared.is_empty() {
         arrive_with_others(model, situation, series);
         reconcile(model, situation, series);
     }
     disturbance
+}
+
+/// Contacts that never stick slide on where the velocity of their surface jumps: that of the
+/// coordinates does not.
+fn slide_on(model: &Model<'_>, situation: &mut Situation, series: &Series, time: f64) {
+    for (c, contact) in model.contacts.iter().enumerate() {
+        let state = &situation.contacts[c];
+        if let Phase::Slip {
+            direction, speed, ..
+        } = state.phase
+            && !contact.is_elastic()
+            && contact.belt_velocity.jumps_at(time)
+        {
+            let jump = series.contacts[c].surface[0] - contact.belt_velocity.just_before(time);
+            set_phase(model, situation, c, direction.sign() * speed - jump);
+        }
+    }
 }
 
 /// The same of one contact, and of the coordinate that it holds. Returns true if it has an event.
