@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyIterator, PyList};
-use stick_slip::{Ended, EventKind, Mode, Structure, Trajectory, structure};
+use stick_slip::{Element, Ended, EventKind, Mode, Structure, Trajectory, structure};
 
 use crate::convert::{Index, Numbers, Table, short};
 use crate::error::{OrRaise, raised};
@@ -44,7 +44,11 @@ impl AnyMotion {
         with_motion!(self, motion => motion
             .events()
             .iter()
-            .map(|event| Happening { time: event.time, contact: event.contact, kind: event.kind })
+            .map(|event| Happening {
+                time: event.time,
+                contact: contact_of(event.element),
+                kind: event.kind,
+            })
             .collect())
     }
 
@@ -62,6 +66,14 @@ impl AnyMotion {
             Self::Belt(motion) => motion.mode_at(time).filter(|_| contact == 0),
             Self::Structure(motion, _) => motion.mode_at(contact, time),
         }
+    }
+}
+
+/// The number of the contact of an event; systems of this package have no events of other elements.
+pub fn contact_of(element: Element) -> usize {
+    match element {
+        Element::Contact(contact) => contact,
+        other => unreachable!("an event of {other}"),
     }
 }
 

@@ -9,14 +9,15 @@ use pyo3::types::PyIterator;
 use stick_slip::bifurcation::{self, HopfLocus};
 use stick_slip::orbit::{self, Attractor, Branch, BranchPoint, Period, Sensitivities, Sweep};
 use stick_slip::structure::State;
-use stick_slip::{EventKind, Search, Structure};
+use stick_slip::{Element, EventKind, Search, Structure};
 
 use crate::belt::BeltArgument;
 use crate::convert::{ComplexNumbers, Index, Numbers, Start, Table, short};
 use crate::cycle::criticality_name;
 use crate::error::OrRaise;
 use crate::motion::{
-    AnyMotion, EnergyBudget, Happening, PyMotion, entry, events_array, iterator, kind_name,
+    AnyMotion, EnergyBudget, Happening, PyMotion, contact_of, entry, events_array, iterator,
+    kind_name,
 };
 use crate::record::record;
 use crate::structure::AnySystem;
@@ -124,7 +125,7 @@ impl PyOrbit {
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let events = self.orbit.events().iter().map(|event| Happening {
             time: event.time,
-            contact: event.contact,
+            contact: contact_of(event.element),
             kind: event.kind,
         });
         events_array(py, &events.collect::<Vec<_>>())
@@ -521,8 +522,10 @@ record! {
     }
 }
 
-fn sequence(events: &[(usize, EventKind)]) -> String {
-    let event = |(contact, kind): &(usize, EventKind)| format!("{contact}: {}", kind_name(*kind).0);
+fn sequence(events: &[(Element, EventKind)]) -> String {
+    let event = |(element, kind): &(Element, EventKind)| {
+        format!("{}: {}", contact_of(*element), kind_name(*kind).0)
+    };
     events.iter().map(event).collect::<Vec<_>>().join(", ")
 }
 
@@ -1567,7 +1570,7 @@ impl PySensitivities {
     fn events(&self) -> Vec<EventSensitivity> {
         let event = |event: orbit::EventSensitivity| EventSensitivity {
             time: event.time,
-            contact: event.contact,
+            contact: contact_of(event.element),
             kind: kind_name(event.kind).0,
             by_parameters: Numbers(event.by_parameters),
         };

@@ -71,7 +71,7 @@ fn print(motion: &Trajectory<State>, case: &Value) {
         println!(
             "event {} {} {}",
             name(event.kind),
-            event.contact,
+            event.contact().unwrap(),
             bits(&[event.time])
         );
     }
