@@ -24,8 +24,10 @@ use crate::scalar::Scalar;
 /// not analytic there, so a motion that reverses ends with
 /// [`Error::NotAnalytic`] unless the law has a [least speed](Self::with_least_speed).
 ///
-/// A structure without inertia is not offered: take a small mass m. The period of a cycle changes
-/// in proportion to m; with a damper η and a spring k, m = 10⁻⁶ η²/k is small.
+/// Friction that rises with the speed makes the motion stiff where V is small: under a load N,
+/// steps of a mass m are no longer than about 10mV/(Na). A cycle whose speeds span many decades,
+/// such as that of an earthquake, takes too many steps for a simulation, or ends with
+/// [`Error::StepUnderflow`]. A structure without inertia is not offered.
 ///
 /// Sources: J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (aging); A. Ruina, *J. Geophys.
 /// Res.* 88 (1983) 10359-10370 (slip); J. R. Rice, N. Lapusta, K. Ranjith, *J. Mech. Phys. Solids*
