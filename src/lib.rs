@@ -74,12 +74,12 @@
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
 //! | a pendulum | [`Pendulum`]; its pivot is at rest |
 //! | gear play, backlash | [`Backlash`] |
-//! | a stop | elastic: [`Backlash`] with the stiffness of the stop; rigid impacts are not available |
+//! | a stop | elastic: [`Backlash`] with the stiffness of the stop, or a [`Contact::with_normal_spring`] whose load is −k times the gap; rigid impacts are not available |
 //! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`] |
 //! | a stiffness that varies in time (gear mesh, Mathieu's equation) | [`ForceElement::with_factor`], with the law [`PolynomialSpring`] of one coefficient |
 //! | a controller | linear feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; other feedback: your own [`ForceField`]; a filter of second order is a coordinate of its own; delays are not available |
 //! | a nonlinear damper, or any other force of displacements and velocities | [`VanDerPol`], or your own [`ForceLaw`] or [`ForceField`] |
-//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
+//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate, [`Contact::with_load_law`] for any other load: a bead on a ring, an oblique spring |
 //! | a law that depends on the direction | in slip: a [`ContactLaw`] receives the direction, a [`FrictionLaw`] is odd in the relative velocity; in stick: not available, the limit μ_s is the same in both directions |
 //! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
 //! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |

@@ -102,6 +102,14 @@ pub enum NotSliding {
         /// The position x.
         position: f64,
     },
+    /// The position of a [load law](crate::Contact::with_load_law) is exactly on a breakpoint of the
+    /// law, so that the slope of the load differs on both sides.
+    LoadAtBreakpoint {
+        /// Number of the contact.
+        contact: usize,
+        /// The position x.
+        position: f64,
+    },
     /// The stiffness matrix, including the terms that friction adds to it, is singular.
     Singular,
     /// A force, or a displacement or acceleration of steady sliding, overflows.
@@ -164,6 +172,12 @@ impl std::fmt::Display for NotSliding {
             Self::AtBreakpoint { element, position } => write!(
                 f,
                 "force element {element} is on a breakpoint of its law, at {}: its stiffness \
+                 differs on both sides; change a load slightly",
+                Plain(*position)
+            ),
+            Self::LoadAtBreakpoint { contact, position } => write!(
+                f,
+                "a load law of contact {contact} is on a breakpoint, at {}: the slope of the load \
                  differs on both sides; change a load slightly",
                 Plain(*position)
             ),

@@ -130,6 +130,8 @@ impl Error {
             | Self::TooManyMechanisms { .. }
             | Self::LawNotConstant { .. }
             | Self::NonFiniteForce { .. }
+            | Self::NonFiniteLoad { .. }
+            | Self::NotAnalyticLoad { .. }
             | Self::NotAnalyticForce { .. }
             | Self::OverLimit { .. }
             | Self::BeltVelocityJumps { .. }

@@ -108,11 +108,19 @@ impl<'e> Equations<'e> {
                 }
                 v[i][k + 1] = sum;
             }
+            for (contact, load) in std::iter::zip(&model.contacts, &mut *loads) {
+                if !contact.load_laws.is_empty() {
+                    load[k] = [0.0; W];
+                }
+            }
             let mut inputs = &mut *inputs;
             for (element, derivatives) in std::iter::zip(&model.elements, &linear.elements) {
                 let own;
                 (own, inputs) = inputs.split_at_mut(derivatives.0.len());
-                self.add_element::<W, FUSED>((q, v), own, element, derivatives, k);
+                let sum = self.add_element::<W, FUSED>((q, v), own, element, derivatives, k);
+                if let Some(c) = element.pressed {
+                    add::<W, FUSED>(&mut loads[c][k], 1.0, &sum);
+                }
             }
             let derived = std::iter::zip(&mut *slips, &mut *loads);
             let contacts = std::iter::zip(&linear.contacts, &model.contacts);
@@ -122,7 +130,12 @@ impl<'e> Equations<'e> {
                     slip[k] = sum_of::<W, FUSED>([0.0; W], &contact.direction, v, k);
                 }
                 if joint.takes_load() {
-                    load[k] = sum_of::<W, FUSED>([0.0; W], &contact.load_gradient, q, k);
+                    let laws = if contact.load_laws.is_empty() {
+                        [0.0; W]
+                    } else {
+                        load[k]
+                    };
+                    load[k] = sum_of::<W, FUSED>(laws, &contact.load_gradient, q, k);
                 }
                 if joint.acts() {
                     let mut sum = [0.0; W];
@@ -161,7 +174,7 @@ impl<'e> Equations<'e> {
         }
     }
 
-    /// Order k of the force of an element.
+    /// Adds order k of the forces of an element; returns that of the last of them.
     #[inline(always)]
     fn add_element<const W: usize, const FUSED: bool>(
         &self,
@@ -170,8 +183,9 @@ impl<'e> Equations<'e> {
         element: &ElementData<'_>,
         ElementDerivatives(derivatives): &ElementDerivatives,
         k: usize,
-    ) {
+    ) -> Lanes<W> {
         let (positions, velocities) = inputs.split_at_mut(element.directions.len());
+        let mut last = [0.0; W];
         for (i, direction) in element.directions.iter().enumerate() {
             positions[i][k] = sum_of::<W, FUSED>([0.0; W], direction, q, k);
             velocities[i][k] = sum_of::<W, FUSED>([0.0; W], direction, v, k);
@@ -184,7 +198,9 @@ impl<'e> Equations<'e> {
             for &(j, x) in response {
                 add::<W, FUSED>(&mut v[j][k + 1], x, &sum);
             }
+            last = sum;
         }
+        last
     }
 
     #[inline(always)]

@@ -11,6 +11,7 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
 use crate::structure::Step;
 use crate::structure::engine::contact::ContactData;
+use crate::structure::engine::element::ElementData;
 use crate::structure::engine::factor::Holding;
 use crate::structure::engine::model::Model;
 
@@ -113,6 +114,7 @@ impl Linear {
                 contact,
                 step,
                 memories: step.series().get(variables).unwrap_or(&[]),
+                laws: model.load_laws(number),
             };
             along.joint(step.modes()[number])
         });
@@ -153,6 +155,8 @@ struct ContactAlong<'a> {
     contact: &'a ContactData<'a>,
     step: &'a Step,
     memories: &'a [PowerSeries],
+    /// The parts of its load that have laws of their own.
+    laws: &'a [ElementData<'a>],
 }
 
 impl ContactAlong<'_> {
@@ -224,7 +228,7 @@ impl ContactAlong<'_> {
         joint: &mut ContactDerivatives,
         (motion, load): (Motion<&PowerSeries>, &PowerSeries),
     ) {
-        if joint.rates.is_empty() || self.contact.load_gradient.is_empty() {
+        if joint.rates.is_empty() || !self.contact.load_follows() {
             return;
         }
         if !self.derivative(joint, (motion, load), Input::Load).depends {
@@ -267,7 +271,7 @@ impl ContactAlong<'_> {
         let load = load.scaled(contact.compliance);
         let by_speed = self.derivative(joint, given, Input::Speed);
         joint.friction.push(product(&load, &by_speed.slope).into());
-        if !contact.load_gradient.is_empty() {
+        if contact.load_follows() {
             joint.by_load = Some(by_speed.coefficient.scaled(contact.compliance).into());
         }
         for j in 0..joint.rates.len() {
@@ -287,15 +291,25 @@ impl ContactAlong<'_> {
                 load[k] = mul_add(gradient, velocity[k - 1] * INTEGRAL[k - 1], load[k]);
             }
         }
+        for law in self.laws {
+            load.add(1.0, &ElementDerivatives::force(law, self.step));
+        }
         load
     }
 }
 
 /// The load N of a contact at the end of a step, and its rate.
-pub(super) fn load_at_end(contact: &ContactData<'_>, step: &Step) -> [f64; 2] {
+pub(super) fn load_at_end(model: &Model<'_>, c: usize, step: &Step) -> [f64; 2] {
+    let (contact, h) = (&model.contacts[c], step.duration());
     let (given, state) = (contact.load.series(step.clock()), step.end_state());
-    [
-        given.at(step.duration()) + contact.displacement_load(|j| state.displacements[j]),
-        given.slope_at(step.duration()) + contact.displacement_load(|j| state.velocities[j]),
-    ]
+    let mut load = [
+        given.at(h) + contact.displacement_load(|j| state.displacements[j]),
+        given.slope_at(h) + contact.displacement_load(|j| state.velocities[j]),
+    ];
+    for law in model.load_laws(c) {
+        let force = ElementDerivatives::force(law, step);
+        load[0] += force.at(h);
+        load[1] += force.slope_at(h);
+    }
+    load
 }

@@ -55,12 +55,12 @@ impl Structure {
         let energies = self.energies(&model);
         let springs = zip(self.contacts(), &energies.normal).enumerate();
         let springs = springs.map(|(c, (contact, normal))| {
-            let load = contact.load_at(time, &state.displacements).max(0.0);
+            let load = contact.load_in(time, state).max(0.0);
             let carried = state.memory.get(model.memory(c).start);
             energies.of_contact(c, carried.copied().unwrap_or(0.0))
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
         });
-        let elements = model.elements.iter().map(|element| {
+        let elements = model.force_elements().iter().map(|element| {
             let energy = element.potential(|j| state.displacements[j]);
             element.factor.value(time) * energy
         });
@@ -181,7 +181,7 @@ impl Energies<'_, '_> {
         let carried = instant.contacts.iter().enumerate();
         let carried = carried.map(|(c, at)| self.of_contact(c, at.carried));
         let springs = carried.chain(self.of_normals(instant)).sum::<f64>();
-        let elements = zip(&self.model.elements, &instant.elements);
+        let elements = zip(self.model.force_elements(), &instant.elements);
         let elements =
             elements.map(|(element, at)| at.factor[0] * element.potential(|j| displacements[j]));
         self.kinetic(velocities) + self.elastic(displacements) + springs + elements.sum::<f64>()
@@ -196,7 +196,7 @@ impl Energies<'_, '_> {
             belt_work: vec![0.0; contacts],
             friction_loss: vec![0.0; contacts],
             normal_work: vec![0.0; contacts],
-            element_work: vec![0.0; model.elements.len()],
+            element_work: vec![0.0; model.force_elements().len()],
             ..EnergyBudget::default()
         };
         let is_long = |step: &&Step| step.duration() > 0.0 && step.duration().is_finite();
@@ -251,7 +251,8 @@ impl Energies<'_, '_> {
             }
             if let Some(stiffness) = self.normal[c].filter(|_| at.load > 0.0) {
                 let pressed = contact.normal.iter().map(|&(j, d)| d * v[j]).sum::<f64>();
-                let rate = contact.load_rate(step.clock().after(t), v) - stiffness * pressed;
+                let rate = instant.load_rate(self.model, c, step.clock().after(t));
+                let rate = rate - stiffness * pressed;
                 budget.normal_work[c] += weight * at.load * rate / stiffness;
             }
         }

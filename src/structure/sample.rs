@@ -71,7 +71,8 @@ impl Structure {
             let instant = Forces::of(&model, step).at_time(time);
             let contacts = instant.contacts.iter();
             let (friction, loads) = contacts.map(|at| (at.carried, at.load)).unzip();
-            let elements = instant.elements.iter();
+            let count = model.force_elements().len();
+            let elements = instant.elements[..count].iter();
             let element_forces = elements.map(AtElement::scaled).collect();
             Sample {
                 time,

@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::engine::contact::ContactData;
-use super::engine::element::ElementTangent;
+use super::engine::contact::{ContactData, Entries};
+use super::engine::element::{ElementData, ElementTangent};
 use super::engine::model::Model;
 use super::equilibrium::{Equilibrium, ROUNDING, inverse_mass_times};
 use super::freedom::{direction_row, elastic_rows, null_space, rows_of, units};
@@ -80,17 +80,19 @@ impl<'m, 's> SlidingField<'m, 's> {
             if !relative.is_finite() {
                 return Err(NotSliding::Overflow);
             }
+            let is_frictionless = contact.law.constant() == Some(0.0);
             let may_stick = contact.is_elastic() || contact.law.limit(&|_| 0.0).is_some();
-            if relative == 0.0 && velocities.is_some() && may_stick {
+            if relative == 0.0 && velocities.is_some() && may_stick && !is_frictionless {
                 return Ok(None);
             }
-            if relative == 0.0 && contact.is_elastic() {
+            if relative == 0.0 && contact.is_elastic() && !is_frictionless {
                 return Err(NotSliding::Continuum { contact: number });
             }
-            let Some(slip) = slip_at(relative, contact) else {
+            let slip = slip_at(relative, contact).or(is_frictionless.then_some(STILL));
+            let Some(slip) = slip else {
                 return Err(NotSliding::NoSpeed { contact: number });
             };
-            let load = contact.load_at(0.0, |j| start[j]).max(0.0);
+            let load = model.load_at(number, 0.0, |j| start[j], |_| 0.0).max(0.0);
             let sliding = contact.law.sliding(slip, load);
             let sliding = sliding.ok_or(NotSliding::NoSteadyMemory { contact: number })?;
             Ok(Some((sliding, slip)))
@@ -108,8 +110,8 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (number, (contact, slides)) in std::iter::zip(&model.contacts, &contacts).enumerate() {
             let mut coefficient = None;
             if let Some((sliding, slip)) = slides {
-                let follows = !contact.load_gradient.is_empty();
-                if follows && sliding.rates_by_load.iter().any(|by| *by != 0.0) {
+                let is_warm = sliding.rates_by_load.iter().any(|by| *by != 0.0);
+                if !contact.load_laws.is_empty() || contact.load_follows() && is_warm {
                     frictions.push((number, *slip));
                 } else {
                     coefficient = Some(contact.compliance * sliding.coefficient);
@@ -151,7 +153,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         let slides = contacts.into_iter().enumerate();
         let slides = slides.map(|(number, slides)| {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| balance.displacements[j]);
+            let load = model.load_at(number, 0.0, |j| balance.displacements[j], |_| 0.0);
             if load <= 0.0 || load.is_nan() {
                 let contact = number;
                 return Err(NotSliding::NoLoad { contact, load });
@@ -174,7 +176,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         let contacts = slides.collect::<Result<_, _>>()?;
         for (&number, force) in std::iter::zip(&sticking, &balance.forces) {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| balance.displacements[j]);
+            let load = model.load_at(number, 0.0, |j| balance.displacements[j], |_| 0.0);
             let (limit, force) = (
                 contact.law.limit(&|_| 0.0).unwrap_or(0.0) * load,
                 force.abs(),
@@ -213,7 +215,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         let contacts = std::iter::zip(&self.model.contacts, &self.contacts);
         let varies = contacts
             .into_iter()
-            .any(|(contact, slides)| slides.is_some() && !contact.load_gradient.is_empty());
+            .any(|(contact, slides)| slides.is_some() && contact.load_follows());
         varies && self.contacts.iter().any(Option::is_none)
     }
 
@@ -240,6 +242,25 @@ impl<'m, 's> SlidingField<'m, 's> {
     /// Length of a state vector.
     fn order(&self) -> usize {
         2 * self.model.len() + self.model.remembered()
+    }
+
+    /// The derivatives of the load of a contact by displacements and velocities that are not 0, by
+    /// their places in a state.
+    fn load_slopes(&self, contact: usize) -> Vec<(usize, f64)> {
+        let contact = &self.model.contacts[contact];
+        let mut loads = contact.load_gradient.clone();
+        for e in contact.load_laws.clone() {
+            let (law, tangent) = (&self.model.elements[e], &self.elements[e]);
+            let factor = law.factor.value(0.0);
+            for (first, slopes) in std::iter::zip([0, self.model.len()], &tangent.slopes) {
+                let slope = factor * slopes[0];
+                if slope != 0.0 {
+                    let entries = law.directions[0].iter();
+                    loads.extend(entries.map(|&(j, a)| (first + j, slope * a)));
+                }
+            }
+        }
+        loads
     }
 
     /// Adds the derivatives of the forces of elements to ∂F/∂x.
@@ -277,8 +298,9 @@ impl<'m, 's> SlidingField<'m, 's> {
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
             let first = 2 * n + model.memory(number).start;
+            let loads = self.load_slopes(number);
             let Some(slides) = slides else {
-                self.add_sticking(&mut matrix, number);
+                self.add_sticking(&mut matrix, number, &loads);
                 continue;
             };
             let sliding = &slides.sliding;
@@ -288,14 +310,14 @@ impl<'m, 's> SlidingField<'m, 's> {
                     let slope = slides.direction * sliding.slope;
                     matrix[(n + i, n + j)] -= force * slides.load * slope * b;
                 }
-                for &(j, gradient) in &contact.load_gradient {
+                for &(j, gradient) in &loads {
                     matrix[(n + i, j)] -= force * sliding.coefficient * gradient;
                 }
                 for (j, slope) in sliding.by_memory.iter().enumerate() {
                     matrix[(n + i, first + j)] -= force * slides.load * slope;
                 }
             }
-            add_reaction(&mut matrix, n, contact);
+            add_reaction(&mut matrix, n, contact, &loads);
             if contact.is_elastic() {
                 // The force follows the limit without delay.
                 matrix[(first, first)] = -1.0;
@@ -305,7 +327,7 @@ impl<'m, 's> SlidingField<'m, 's> {
                     let rate = slides.direction * sliding.rates_by_speed[j];
                     matrix[(first + j, n + i)] += rate * b;
                 }
-                for &(i, gradient) in &contact.load_gradient {
+                for &(i, gradient) in &loads {
                     matrix[(first + j, i)] += sliding.rates_by_load[j] * gradient;
                 }
                 for l in 0..sliding.memory.len() {
@@ -321,9 +343,9 @@ impl<'m, 's> SlidingField<'m, 's> {
 
     /// Adds a contact that sticks. A rigid one adds nothing here: see
     /// [`eigenvalues`](Self::eigenvalues).
-    fn add_sticking(&self, matrix: &mut DMatrix<f64>, number: usize) {
+    fn add_sticking(&self, matrix: &mut DMatrix<f64>, number: usize, loads: &Entries) {
         let (contact, n) = (&self.model.contacts[number], self.model.len());
-        add_reaction(matrix, n, contact);
+        add_reaction(matrix, n, contact, loads);
         for &(i, x) in contact.responses() {
             for &(j, b) in contact.direction.iter() {
                 let stiffness = contact.tangential_stiffness.unwrap_or(0.0);
@@ -436,22 +458,25 @@ impl<'m, 's> SlidingField<'m, 's> {
         Some(identity - responses * inverse * along.transpose())
     }
 
+    /// The load of a contact along a line, as [`terms`](Self::terms) needs it.
+    fn load_along(&self, contact: &ContactData<'_>, line: &DVector<f64>) -> PowerSeries {
+        let at_rest = contact.load_at(0.0, |j| self.displacements[j]);
+        let mut load = linear(at_rest, contact.displacement_load(|j| line[j]));
+        for e in contact.load_laws.clone() {
+            let law = &self.model.elements[e];
+            let force = forces_along(law, &self.elements[e], (line, self.model.len()))[0];
+            load.add(law.factor.value(0.0), &force);
+        }
+        load
+    }
+
     /// The terms of second and third order along a line: the coefficients of t² and t³ in F(x̄ + t
     /// u). Friction and force elements alone have such terms.
     pub(crate) fn terms(&self, line: &DVector<f64>) -> [DVector<f64>; 2] {
         let (model, n) = (self.model, self.model.len());
         let mut terms = [DVector::zeros(self.order()), DVector::zeros(self.order())];
         for (element, tangent) in std::iter::zip(&model.elements, &self.elements) {
-            let along = element.along(|j| line[j]);
-            let positions = std::iter::zip(&tangent.positions, along);
-            let positions = positions.map(|(x, part)| linear(*x, part));
-            let velocities = element.along(|j| line[n + j]).into_iter();
-            let velocities = velocities.map(|part| linear(0.0, part));
-            let forces = element.law.series(Place {
-                positions: &positions.collect::<Vec<_>>(),
-                velocities: &velocities.collect::<Vec<_>>(),
-                piece: element.piece_above(tangent.positions[0]),
-            });
+            let forces = forces_along(element, tangent, (line, n));
             let factor = element.factor.value(0.0);
             for (response, force) in std::iter::zip(&element.responses, &forces) {
                 for &(i, x) in response {
@@ -464,6 +489,12 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
+            let loads = self.load_along(contact, line);
+            for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
+                for &(i, y) in &contact.reaction {
+                    terms[n + i] -= y * loads[k];
+                }
+            }
             let Some(slides) = slides else {
                 continue;
             };
@@ -478,26 +509,26 @@ impl<'m, 's> SlidingField<'m, 's> {
                 direction: slides.direction,
                 piece: contact.piece_above(speed),
             });
-            let load = contact.displacement_load(|j| line[j]);
-            let loads = linear(slides.load, load);
             let mut coefficient = PowerSeries::ZERO;
-            let mut inputs = vec![(Input::Speed, slip)];
-            inputs.extend((0..memory.len()).map(|j| (Input::Memory(j), line[first + j])));
-            if !memory.is_empty() && !contact.load_gradient.is_empty() {
-                inputs.push((Input::Load, load));
+            let constant = |part: f64| PowerSeries::of(part);
+            let mut inputs = vec![(Input::Speed, constant(slip))];
+            inputs.extend((0..memory.len()).map(|j| (Input::Memory(j), constant(line[first + j]))));
+            if !memory.is_empty() && contact.load_follows() {
+                inputs.push((Input::Load, loads.derivative()));
             }
-            for (by, part) in inputs {
+            for (by, parts) in inputs {
                 let found = contact.law.derivative(motion, &loads, &memory, by);
                 coefficient = found.coefficient;
                 for (j, rate) in found.rates.iter().enumerate() {
                     // The rate changes along the line by its derivatives.
                     for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
-                        terms[first + j] += part * rate[k - 1] / k as f64;
+                        let sum = (0..k).map(|l| parts[l] * rate[k - 1 - l]).sum::<f64>();
+                        terms[first + j] += sum / k as f64;
                     }
                 }
             }
             for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
-                let force = slides.load * coefficient[k] + load * coefficient[k - 1];
+                let force = (0..=k).map(|l| loads[l] * coefficient[k - l]).sum::<f64>();
                 for &(i, x) in contact.responses() {
                     terms[n + i] -= x * contact.compliance * force;
                 }
@@ -532,10 +563,28 @@ fn linear(a: f64, b: f64) -> PowerSeries {
     })
 }
 
-/// The force of a normal spring.
-fn add_reaction(matrix: &mut DMatrix<f64>, n: usize, contact: &ContactData<'_>) {
+/// The forces of an element along a line from steady sliding of n coordinates.
+fn forces_along(
+    element: &ElementData<'_>,
+    tangent: &ElementTangent,
+    (line, n): (&DVector<f64>, usize),
+) -> Vec<PowerSeries> {
+    let along = element.along(|j| line[j]);
+    let positions = std::iter::zip(&tangent.positions, along);
+    let positions = positions.map(|(x, part)| linear(*x, part));
+    let velocities = element.along(|j| line[n + j]).into_iter();
+    let velocities = velocities.map(|part| linear(0.0, part));
+    element.law.series(Place {
+        positions: &positions.collect::<Vec<_>>(),
+        velocities: &velocities.collect::<Vec<_>>(),
+        piece: element.piece_above(tangent.positions[0]),
+    })
+}
+
+/// The force of a normal spring, from the derivatives of the load.
+fn add_reaction(matrix: &mut DMatrix<f64>, n: usize, contact: &ContactData<'_>, loads: &Entries) {
     for &(i, y) in &contact.reaction {
-        for &(j, gradient) in &contact.load_gradient {
+        for &(j, gradient) in loads {
             matrix[(n + i, j)] -= y * gradient;
         }
     }
@@ -559,6 +608,13 @@ fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<
     let normal: Vec<usize> = (0..n).filter(is_normal).collect();
     eigen.eigenvectors.select_columns(&normal)
 }
+
+/// Slip at r = 0, where friction has no direction only if there is none.
+const STILL: Slip<f64> = Slip {
+    speed: 0.0,
+    direction: 1.0,
+    piece: 0,
+};
 
 /// Slip at a relative velocity; `None` at 0.
 fn slip_at(relative: f64, contact: &ContactData<'_>) -> Option<Slip<f64>> {

@@ -18,7 +18,11 @@ use crate::error::{Error, NotSliding};
 /// k_n·d, and the force −d N_c and its perturbation are added on the right sides. The memory
 /// variables z of a contact, such as the deflection of bristles, have the values at which z' = 0.
 /// Their perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second equation,
-/// and δz' is linear in δz and b_c·δq'.
+/// and δz' is linear in δz, b_c·δq' and δN_c.
+///
+/// [Load laws](crate::Contact::with_load_law) φ(a·q, a·v) add φ(a·q, 0) to N_c, and the terms
+/// (∂φ/∂x a·δq + ∂φ/∂y a·δq') to n_c·δq. The displacements then follow by Newton's method, as with
+/// force elements.
 ///
 /// If a load depends on displacements, friction makes the stiffness matrix unsymmetric. Two modes
 /// can then merge, and one of them can grow (flutter by mode coupling). This can happen even if

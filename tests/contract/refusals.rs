@@ -297,7 +297,7 @@ fn systems() -> Vec<Case> {
         "Drive" "size" BELOW, |x| Drive::function(Timed([x, 1.0, 1.0, 0.0]));
         "Drive" "period" NOT_ABOVE, |x| Drive::function(Timed([1.0, 1.0, x, 0.0]));
         "Drive" "value" &ANY, |x| Drive::function(Timed([1.0, 1.0, 1.0, x]));
-        "Contact" "load" NOT_ABOVE, |x| Contact::new(0, law(), x);
+        "Contact" "load" NOT_ABOVE, |x| blocks().with_contact(Contact::new(0, law(), x)?);
         "Contact" "gradient" &ANY, |x| Contact::new(0, law(), 1.0)?.with_load_gradient(0, x);
         "Structure" "mass 1" NOT_ABOVE, |x| Structure::new(&[1.0, x, -2.0]);
         "Structure" "mass matrix (1, 1)" NOT_ABOVE,

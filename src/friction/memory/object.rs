@@ -29,7 +29,7 @@ pub(crate) trait LawObject {
     /// Replaces sliding speeds by μ(r, z), with direction and piece of `slip`; a speed below 0 by
     /// that at 0. The memory by the number of the speed, then by variable.
     fn values(&self, slip: Slip<()>, speeds: &mut [f64], memory: &dyn Fn(usize, usize) -> f64);
-    /// μ_s(z).
+    /// μ_s(z); `None` for a law that never sticks, such as one without friction.
     fn limit(&self, memory: Memory<'_>) -> Option<f64>;
     /// ∂μ_s/∂z_j; NaN for a law that never sticks.
     fn limit_slope(&self, memory: &[f64], by: usize) -> f64;
@@ -143,7 +143,9 @@ impl<L: ContactLaw> LawObject for L {
     }
 
     fn limit(&self, memory: Memory<'_>) -> Option<f64> {
-        ContactLaw::limit(self, 0.0, Variables::from_fn(memory))
+        let limit = ContactLaw::limit(self, 0.0, Variables::from_fn(memory));
+        // Without friction nothing sticks.
+        limit.filter(|_| ContactLaw::constant(self, Own) != Some(0.0))
     }
 
     fn limit_slope(&self, memory: &[f64], by: usize) -> f64 {

@@ -124,7 +124,8 @@ pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) 
     let (kinetic, limit) = contact.coefficients_at_rest(*side, memory);
     let limit = limit?;
     let h = step.duration();
-    let friction = load_at_end(contact, step)[0] * contact.compliance * (kinetic + limit);
+    let friction =
+        load_at_end(&form.model, event.contact, step)[0] * contact.compliance * (kinetic + limit);
     let rate = speeds(form, step, event.contact, *side).slope_at(h);
     (friction > 0.0).then(|| -rate / friction - 1.0)
 }

@@ -32,18 +32,24 @@ pub(super) fn revise_pieces(model: &Model<'_>, situation: &mut Situation, series
     changed
 }
 
-/// Order k of the forces of all elements on the coordinates.
+/// Order k of all elements.
 pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
+    for (element, of) in std::iter::zip(&model.elements, &mut series.elements) {
+        of.order(element, &series.coordinates, k);
+        if k == 0 {
+            of.note_tangents(element);
+        }
+    }
+}
+
+/// Order k of their forces on the coordinates.
+pub(super) fn push(model: &Model<'_>, series: &mut Series, k: usize) {
     let Series {
         coordinates,
         elements,
         ..
     } = series;
     for (element, of) in std::iter::zip(&model.elements, elements) {
-        of.order(element, coordinates, k);
-        if k == 0 {
-            of.note_tangents(element);
-        }
         for (i, response) in element.responses.iter().enumerate() {
             let force = of.product(i, k);
             for &(j, x) in response {
@@ -54,14 +60,16 @@ pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
 }
 
 /// The fault of the first element whose force is no number, or has no series.
-pub(super) fn force_fault(series: &Series) -> Option<LawFault> {
+pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<LawFault> {
     let faults = series.elements.iter().enumerate().map(|(element, of)| {
+        let pressed = model.elements[element].pressed;
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
         if let Some(force) = of.forces.iter().find(|force| !force[0].is_finite()) {
             let value = force[0];
             return Some(LawFault::NonFiniteForce {
                 element,
+                pressed,
                 position,
                 velocity,
                 value,
@@ -69,8 +77,11 @@ pub(super) fn force_fault(series: &Series) -> Option<LawFault> {
         }
         let motion = of.positions.iter().chain(&of.velocities);
         let has_no_series = of.forces.iter().any(|force| !force[1].is_finite());
-        (has_no_series && motion.into_iter().all(is_given))
-            .then_some(LawFault::NotAnalyticForce { element, position })
+        (has_no_series && motion.into_iter().all(is_given)).then_some(LawFault::NotAnalyticForce {
+            element,
+            pressed,
+            position,
+        })
     });
     faults.flatten().next()
 }
@@ -82,6 +93,7 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
     const CLOSE: f64 = 1e-6;
     let elements = std::iter::zip(&model.elements, &series.elements).enumerate();
     let mut faults = elements.filter_map(|(element, (data, of))| {
+        let pressed = data.pressed;
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         // The power series of F along the first direction.
         let fixed = |series: &Vec<PowerSeries>| -> Vec<PowerSeries> {
@@ -119,12 +131,17 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
         Some(if grows {
             LawFault::NonFiniteForce {
                 element,
+                pressed,
                 position,
                 velocity,
                 value,
             }
         } else {
-            LawFault::NotAnalyticForce { element, position }
+            LawFault::NotAnalyticForce {
+                element,
+                pressed,
+                position,
+            }
         })
     });
     faults.next()

@@ -95,7 +95,7 @@ pub(super) fn expand(
     }
     start(model, situation, series);
     all_orders(model, situation, series, 0..orders);
-    law_fault(situation, series).map_or(Ok(()), Err)
+    law_fault(model, situation, series).map_or(Ok(()), Err)
 }
 
 /// Computes the remaining orders, after [`expand`] has computed the first.
@@ -260,7 +260,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
 /// Number of masses of a long chain in a group.
 const AT_A_TIME: usize = 16;
 
-fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
+fn law_fault(model: &Model<'_>, situation: &Situation, series: &Series) -> Option<LawFault> {
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
     let of_friction = contacts.into_iter().find_map(|(state, series)| {
         // The law gives the memory after an event.
@@ -280,7 +280,7 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
             None
         }
     });
-    of_friction.or_else(|| force_fault(series))
+    of_friction.or_else(|| force_fault(model, series))
 }
 
 /// Order 0 of the unknowns, and the mode of every contact.
@@ -379,6 +379,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
     let Series {
         coordinates,
         contacts,
+        elements,
         rates,
         ..
     } = series;
@@ -396,7 +397,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
         Some(c) => {
             let (contact, of) = (&model.contacts[c], &mut contacts[c]);
             if of.load_varies {
-                of.load_order(contact, coordinates, k);
+                of.load_order(contact, coordinates, elements, k);
             }
             let surface = if is_driven && of.mode != StepMode::Open {
                 of.surface[k + 1]

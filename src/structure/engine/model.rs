@@ -39,7 +39,10 @@ pub(crate) struct Model<'s> {
     pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
+    /// Force elements, then the parts of the loads of contacts.
     pub(crate) elements: Vec<ElementData<'s>>,
+    /// Number of force elements.
+    acting: usize,
     /// Number of memory variables of all contacts.
     remembered: usize,
     /// The number of the contact that a coordinate has to itself.
@@ -106,6 +109,7 @@ impl<'s> Model<'s> {
             Cow::Owned(vec![Drive::constant(0.0)]),
             vec![contact],
             Vec::new(),
+            std::iter::empty(),
         )
     }
 
@@ -114,9 +118,19 @@ impl<'s> Model<'s> {
         mass: Mass<'_>,
         [stiffness, damping]: [&DMatrix<f64>; 2],
         forces: Cow<'s, [Drive]>,
-        contacts: Vec<ContactData<'s>>,
-        elements: Vec<ElementData<'s>>,
+        mut contacts: Vec<ContactData<'s>>,
+        mut elements: Vec<ElementData<'s>>,
+        load_laws: impl Iterator<Item = Vec<ElementData<'s>>>,
     ) -> Self {
+        let acting = elements.len();
+        for (c, (contact, laws)) in std::iter::zip(&mut contacts, load_laws).enumerate() {
+            let first = elements.len();
+            elements.extend(laws.into_iter().map(|law| ElementData {
+                pressed: Some(c),
+                ..law
+            }));
+            contact.load_laws = first..elements.len();
+        }
         let n = stiffness.nrows();
         let inverse_mass = match mass {
             Mass::Diagonal(masses) => Sparse::diagonal(masses.iter().map(|m| m.recip())),
@@ -133,6 +147,7 @@ impl<'s> Model<'s> {
             forces,
             contacts,
             elements,
+            acting,
             remembered: 0,
             owner: vec![None; n],
             shared: Vec::new(),
@@ -239,7 +254,10 @@ impl<'s> Model<'s> {
         self.sprung = self.springs.iter().flat_map(of).collect();
         for element in &mut self.elements {
             let directions = element.directions.iter();
-            let responses = directions.map(|a| responses_to(&self.inverse_mass, a));
+            let responses = directions.map(|a| match element.pressed {
+                None => responses_to(&self.inverse_mass, a),
+                Some(_) => Vec::new(),
+            });
             element.responses = responses.collect();
             let pulled = element.responses.iter().flatten();
             self.sprung.extend(pulled.map(|&(j, _)| j));
@@ -277,9 +295,16 @@ impl<'s> Model<'s> {
         }
         for (e, element) in self.elements.iter().enumerate() {
             let factor = element.factor.size();
+            // A part of the load of a closed contact acts with the reaction of its normal spring.
+            let reaction = match element.pressed {
+                Some(c) if mode(c) != Mode::Open => Some(&self.contacts[c].reaction),
+                _ => None,
+            };
             for (direction, slopes) in std::iter::zip(element.directions, tangents(e)) {
                 let size = factor * direction.iter().map(|(_, a)| a.abs()).sum::<f64>();
-                for (response, slope) in std::iter::zip(&element.responses, slopes) {
+                let responses = element.responses.iter().chain(reaction);
+                let slopes = slopes.iter().chain(slopes.first());
+                for (response, slope) in std::iter::zip(responses, slopes) {
                     // A slope that is not finite is an error of the law, found elsewhere.
                     let stiffness = if slope.is_finite() {
                         size * slope.abs()
@@ -378,6 +403,29 @@ impl<'s> Model<'s> {
     /// Number of memory variables of all contacts.
     pub(crate) fn remembered(&self) -> usize {
         self.remembered
+    }
+
+    /// The elements whose forces act on the structure.
+    pub(crate) fn force_elements(&self) -> &[ElementData<'s>] {
+        &self.elements[..self.acting]
+    }
+
+    /// The parts of the load of a contact that have laws of their own.
+    pub(crate) fn load_laws(&self, contact: usize) -> &[ElementData<'s>] {
+        &self.elements[self.contacts[contact].load_laws.clone()]
+    }
+
+    /// N of a contact at a time, negative if it is open.
+    pub(crate) fn load_at(
+        &self,
+        contact: usize,
+        time: f64,
+        q: impl Fn(usize) -> f64,
+        v: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let linear = self.contacts[contact].load_at(time, &q);
+        let laws = self.load_laws(contact).iter();
+        laws.fold(linear, |sum, law| sum + law.pressure(time, &q, &v))
     }
 
     /// The memory variables of a contact among those of all.
