@@ -44,8 +44,8 @@ fn main() -> Result<(), Error> {
     println!("the first events of two blocks on a belt of velocity 0.17");
     for event in motion.events().iter().take(8) {
         let [u, w] = [0, 1].map(|i| event.state.displacements[i]);
-        let (time, block, what) = (event.time, event.contact, event.kind.to_string());
-        println!("  {time:16.12}  block {block}  {what:<18}  at {u:9.6} and {w:9.6}");
+        let (time, contact, what) = (event.time, event.element, event.kind.to_string());
+        println!("  {time:16.12}  {contact}  {what:<18}  at {u:9.6} and {w:9.6}");
     }
 
     println!("\nbelt    none sticks  one sticks  both stick   sliding");

@@ -257,7 +257,7 @@ pub mod structure;
 pub use belt::{Equilibrium, Flow, Jacobian, MassOnBelt, Stability, Step};
 #[cfg(feature = "structures")]
 pub use drive::{Drive, TimeFunction};
-pub use error::{Error, Reached};
+pub use error::{Element, Error, Reached};
 #[cfg(feature = "structures")]
 pub use force::{
     Backlash, ForceField, ForceLaw, Pendulum, PolynomialSpring, SnapThrough, TabulatedForce,

@@ -49,7 +49,7 @@
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
 //! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements` (none) | yes |
 //! | [`ForceElement`](crate::ForceElement) | `direction`: a list of [coordinate, coefficient]; `law`: a map from the name of the law to the law, see below; optional: `factor` (1): a drive | yes |
-//! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
+//! | [`Event`](crate::Event) | `time`, `element`: `{"contact": 0}`, by its number; `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`; with the direction: `release`, `crossing` | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
 //! | [`Direction`](crate::Direction) | `lagging`, `leading` | yes |

@@ -1,6 +1,6 @@
 use super::model::Belt;
 use crate::clock::Clock;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::motion::sealed;
 use crate::motion::{
     self, Ended, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory,
@@ -284,7 +284,7 @@ impl Step {
 fn event(time: f64, kind: EventKind, state: State) -> Event {
     Event {
         time,
-        contact: 0,
+        element: Element::Contact(0),
         kind,
         state,
     }

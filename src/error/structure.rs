@@ -2,9 +2,15 @@
 
 use super::numbers::Plain;
 
-/// An element of a [`Structure`](crate::Structure), identified by numbers counted from 0.
+/// An element of a system, identified by numbers counted from 0. An [`Error`](crate::Error) and an
+/// [`Event`](crate::Event) name the element concerned.
 #[allow(clippy::enum_variant_names)] // as the type is called
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 #[non_exhaustive]
 pub enum Element {
     /// A mass, by its coordinate.
@@ -19,10 +25,20 @@ pub enum Element {
     Damping(usize, usize),
     /// The force on a coordinate, by the coordinate.
     Force(usize),
-    /// A contact, by its number.
+    /// A contact, by its number; 0 for a [`MassOnBelt`](crate::MassOnBelt), which has only one.
     Contact(usize),
     /// A [force element](crate::ForceElement), by its number.
     ForceElement(usize),
+}
+
+impl Element {
+    /// The number of a contact; `None` for another element.
+    pub(crate) const fn contact(self) -> Option<usize> {
+        match self {
+            Self::Contact(contact) => Some(contact),
+            _ => None,
+        }
+    }
 }
 
 impl std::fmt::Display for Element {

@@ -1,3 +1,4 @@
+use crate::error::Element;
 use crate::state::{Direction, State};
 
 /// The mode of a contact: stick, slip or open.
@@ -98,15 +99,40 @@ pub struct Event<S = State> {
     /// Time of the event, in the units of the system: τ, dimensionless, for a
     /// [`MassOnBelt`](crate::MassOnBelt).
     pub time: f64,
-    /// Number of the contact at which the event happens; 0 for a
-    /// [`MassOnBelt`](crate::MassOnBelt), which has only one.
-    pub contact: usize,
+    /// The element at which the event happens. A [`MassOnBelt`](crate::MassOnBelt) has only one,
+    /// `Element::Contact(0)`.
+    pub element: Element,
     /// The kind of the event.
     pub kind: EventKind,
     /// State at the event. At a stick, a release or a crossing of a mass on a belt, the velocity of
     /// the mass equals the belt velocity bit for bit. A contact may open or close at any velocity,
     /// and the slider of an elastic contact may stick or slip at any velocity of the mass.
     pub state: S,
+}
+
+impl<S> Event<S> {
+    /// The number of the contact at which the event happens; `None` for another element.
+    ///
+    /// ```
+    /// use stick_slip::{Element, Event, EventKind, State};
+    ///
+    /// let (time, element, state) = (1.0, Element::Contact(2), State::new(0.0, 0.1));
+    /// let event = Event { time, element, kind: EventKind::Stick, state };
+    /// assert_eq!(event.contact(), Some(2));
+    /// ```
+    pub const fn contact(&self) -> Option<usize> {
+        self.element.contact()
+    }
+
+    /// The same event with another state.
+    pub(crate) fn with_state<T>(&self, state: T) -> Event<T> {
+        Event {
+            time: self.time,
+            element: self.element,
+            kind: self.kind,
+            state,
+        }
+    }
 }
 
 impl std::fmt::Display for Event {

@@ -13,7 +13,7 @@ use super::periodic_orbit::Orbit;
 use super::shoot;
 use super::translation::Turning;
 use super::trial::TrialMotion;
-use crate::error::{Error, Reached};
+use crate::error::{Element, Error, Reached};
 use crate::motion::sealed::State as _;
 use crate::motion::{AttractorKind, EventKind, Integrator, Mode, Segment, SystemState};
 use crate::search::Search;
@@ -416,8 +416,8 @@ struct Recurrence {
     /// Least and largest of each displacement, put back, then of each velocity.
     ranges: Vec<(f64, f64)>,
     modes: Vec<Mode>,
-    /// States at events, by contact and kind, and how many there were.
-    events: BTreeMap<(usize, u8), (usize, Returns)>,
+    /// States at events, by element and kind, and how many there were.
+    events: BTreeMap<(Element, u8), (usize, Returns)>,
     /// States at the largest displacements of one coordinate.
     turning: Turning,
     turns: (usize, Returns),
@@ -480,7 +480,7 @@ impl Recurrence {
             });
         }
         for event in step.events() {
-            let key = (event.contact, rank(event.kind));
+            let key = (event.element, rank(event.kind));
             let (count, returns) = self.events.entry(key).or_default();
             *count += 1;
             keep(returns, event.time, back(&event.state));

@@ -7,7 +7,7 @@ use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::trial::TrialMotion;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::motion::{EventKind, SystemState};
 use crate::state::Direction;
 
@@ -208,11 +208,11 @@ pub enum BranchEnd {
         time: f64,
         /// The contact at which the motions separate.
         contact: usize,
-        /// The events of the last motion, by contact and kind.
-        events: Vec<(usize, EventKind)>,
+        /// The events of the last motion, by element and kind.
+        events: Vec<(Element, EventKind)>,
         /// The events of the motion that has the same start just beyond the parameter. If this list
         /// equals `events`, the time of an event at `contact` jumps.
-        beyond: Vec<(usize, EventKind)>,
+        beyond: Vec<(Element, EventKind)>,
     },
     /// At one instant of the period, the friction force of a contact that never slips reaches its
     /// limit. Beyond this parameter the contact slips at this instant in each period, and no slip

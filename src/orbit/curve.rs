@@ -292,7 +292,7 @@ impl Curve<'_> {
         let steps = trial.map.steps.iter().flat_map(Segment::events);
         let events: Vec<_> = steps
             .filter(|event| is_inside(event.time, trial.period))
-            .map(|event| (event.contact, event.kind))
+            .map(|event| (event.element, event.kind))
             .collect();
         let miss = |change: f64| {
             let mut beside = y.clone();

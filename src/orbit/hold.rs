@@ -268,7 +268,8 @@ impl<'s> HeldFlow<'s> {
             }
             let mut events = step.events().iter();
             let ends = |kind| matches!(kind, EventKind::Stick | EventKind::Crossing(_));
-            let arrives = events.any(|event| event.contact == hold.contact && ends(event.kind));
+            let arrives =
+                events.any(|event| event.contact() == Some(hold.contact) && ends(event.kind));
             if arrives
                 && near(step.duration())
                 && let Some(t) = minimum_behind(&speeds, step.duration())

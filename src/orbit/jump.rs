@@ -6,6 +6,7 @@ use super::changes::JUMP;
 use super::local_curve::LocalCurve;
 use super::map::PeriodMap;
 use super::unslipped::slips_one_way;
+use crate::error::Element;
 use crate::motion::{EventKind, Segment};
 
 /// Distances beyond the last motion at which the border is searched, in units of a least one.
@@ -48,7 +49,7 @@ struct Side {
     parameter: f64,
     period: f64,
     map: PeriodMap,
-    events: Vec<(f64, usize, EventKind)>,
+    events: Vec<(f64, Element, EventKind)>,
 }
 
 impl LocalCurve<'_, '_> {
@@ -109,7 +110,7 @@ impl LocalCurve<'_, '_> {
         let inside = NEAR * period..(periods + NEAR) * period;
         let events = map.events().map(|(event, _)| event);
         let events = events.filter(|event| inside.contains(&event.time));
-        let events = events.map(|event| (event.time, event.contact, event.kind));
+        let events = events.map(|event| (event.time, event.element, event.kind));
         Some(Side {
             parameter: self.curve.parameter(&y),
             period,
@@ -158,11 +159,11 @@ impl Side {
     }
 
     /// The events of one period that begins at a time.
-    fn kinds_from(&self, begin: f64) -> Vec<(usize, EventKind)> {
+    fn kinds_from(&self, begin: f64) -> Vec<(Element, EventKind)> {
         let inside = begin + NEAR * self.period..begin + (1.0 + NEAR) * self.period;
         let events = self.events.iter();
         let events = events.filter(|event| inside.contains(&event.0));
-        events.map(|&(_, contact, kind)| (contact, kind)).collect()
+        events.map(|&(_, element, kind)| (element, kind)).collect()
     }
 
     /// The distance of another motion at a time, in units of the sizes.
@@ -177,9 +178,12 @@ impl Side {
     /// The end of a branch between two sides, if the motion jumps there.
     fn jump_to(&self, beyond: &Self) -> Option<(f64, BranchEnd)> {
         let same = self.alike(beyond, SAME);
-        let first = [self, beyond].map(|side| side.events.get(same));
+        let first = [self, beyond].map(|side| {
+            let mut others = side.events.iter().skip(same);
+            others.find_map(|&(time, element, _)| Some((time, element.contact()?)))
+        });
         let first = first.into_iter().flatten();
-        let &(time, contact, _) = first.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (time, contact) = first.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let later = self.map.steps.iter().map(Segment::end_time);
         let later = later.filter(|end| (time..time + self.period).contains(end));
         let jumps = later.filter_map(|end| self.apart(beyond, end));

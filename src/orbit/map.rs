@@ -236,7 +236,7 @@ impl PeriodMap {
         &self.end_modes
     }
 
-    /// The events, each with the mode of its contact afterwards.
+    /// The events, each with the mode of its element afterwards.
     pub(super) fn events(&self) -> impl Iterator<Item = (&Event<State>, Mode)> {
         let steps = self.steps.iter().enumerate();
         steps.flat_map(|(i, step)| {
@@ -244,7 +244,10 @@ impl PeriodMap {
             let next = later.find(|step| step.duration() > 0.0);
             let after = next.map_or(&self.end_modes[..], |step| step.modes());
             let events = step.events().iter();
-            events.map(|event| (event, after[event.contact]))
+            events.map(|event| {
+                let mode = event.contact().map(|contact| after[contact]);
+                (event, mode.unwrap_or(event.kind.mode()))
+            })
         })
     }
 

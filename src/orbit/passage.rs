@@ -2,7 +2,7 @@
 
 use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
-use crate::error::{Error, Reached};
+use crate::error::{Element, Error, Reached};
 use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
@@ -61,8 +61,8 @@ pub(super) fn held_steps(
     Err(Error::InvalidDuration { value: duration })
 }
 
-/// The end of a motion, and its events: contact and kind.
-type Passage = (State, Vec<(usize, EventKind)>);
+/// The end of a motion, and its events: element and kind.
+type Passage = (State, Vec<(Element, EventKind)>);
 
 /// Returns true unless an event is so near to the start or the end of a motion that rounding may
 /// decide on which side it lies.
@@ -88,7 +88,7 @@ pub(super) fn passage(
         }
         let own = step.events().iter();
         let own = own.filter(|event| is_inside(event.time, duration));
-        events.extend(own.map(|event| (event.contact, event.kind)));
+        events.extend(own.map(|event| (event.element, event.kind)));
     }
     Err(Error::InvalidDuration { value: duration })
 }
@@ -101,7 +101,9 @@ pub(super) fn modes_after(
 ) -> Result<Vec<Mode>, Error> {
     let mut modes = step.modes().to_vec();
     for event in step.events() {
-        modes[event.contact] = event.kind.mode();
+        if let Some(contact) = event.contact() {
+            modes[contact] = event.kind.mode();
+        }
     }
     let mut closing = step.events().iter();
     if closing.any(|event| event.kind == EventKind::Close) {

@@ -68,11 +68,9 @@ impl<S: SystemState> Orbit<S> {
         let TrialMotion { period, map, .. } = found;
         let symmetric = HalfMap::of_symmetric(&map, period);
         let measures = Measures::of(form, (&map.steps, map.translation()), period, energy);
-        let events = properties.events.into_iter().map(|event| Event {
-            time: event.time,
-            contact: event.contact,
-            kind: event.kind,
-            state: S::of_general(&event.state),
+        let events = properties.events.into_iter().map(|event| {
+            let state = S::of_general(&event.state);
+            event.with_state(state)
         });
         Ok(Self {
             kind: match kind {
@@ -394,7 +392,7 @@ impl<S: SystemState> Orbit<S> {
     /// ```
     pub fn slips(&self, contact: usize) -> usize {
         let is_release = |event: &&Event<S>| {
-            event.contact == contact && matches!(event.kind, EventKind::Release(_))
+            event.contact() == Some(contact) && matches!(event.kind, EventKind::Release(_))
         };
         self.events.iter().filter(is_release).count()
     }

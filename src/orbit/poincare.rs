@@ -196,16 +196,11 @@ impl<S: Oscillator> Iterator for EventSection<'_, S> {
                 Err(error) => return Some(Err(error)),
             };
             let mut events = step.events().iter();
-            let found =
-                events.find(|event| event.contact == self.contact && event.kind == self.kind);
+            let found = events
+                .find(|event| event.contact() == Some(self.contact) && event.kind == self.kind);
             if let Some(event) = found {
                 self.steps.count = 0;
-                return Some(Ok(Event {
-                    time: event.time,
-                    contact: event.contact,
-                    kind: event.kind,
-                    state: event.state.clone(),
-                }));
+                return Some(Ok(event.with_state(event.state.clone())));
             }
         }
     }

@@ -236,9 +236,11 @@ impl TangentFlow<'_> {
         let mut changes = Vec::new();
         let mut shared = Vec::new();
         for event in step.events() {
-            let contact = event.contact;
+            let Some(contact) = event.contact() else {
+                continue;
+            };
             if model.is_shared(contact) {
-                shared.push(event);
+                shared.push((contact, event));
             } else if let Some(owned) = model.owner_of(contact) {
                 changes.extend(self.changed(step, (contact, owned), event.kind));
             } else if event.kind == EventKind::Close {
@@ -357,7 +359,7 @@ impl TangentFlow<'_> {
         &self,
         step: &Step,
         linear: &Linear,
-        events: &[&Event<State>],
+        events: &[(usize, &Event<State>)],
     ) -> Vec<(usize, RowDVector<f64>)> {
         let (model, n) = (&self.form.model, self.form.len());
         let triggers = step.after().triggers.iter();
@@ -388,8 +390,8 @@ impl TangentFlow<'_> {
                 changes.push((n + i, self.row(n + i) + later * jump));
             }
         }
-        for event in events {
-            let (contact, data) = (event.contact, &model.contacts[event.contact]);
+        for &(contact, event) in events {
+            let data = &model.contacts[contact];
             let memory = &event.state.memory[model.memory(contact)];
             let passage = self.passage(step, contact, event.kind, memory);
             let first = data.direction.first().and_then(|&(i, _)| first_on(i));

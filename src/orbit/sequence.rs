@@ -2,12 +2,12 @@
 
 use super::branch::BifurcationKind;
 use super::map::PeriodMap;
+use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode};
-use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
 
-/// An event: contact, kind, and the mode of the contact afterwards.
-type Kind = (usize, EventKind, Mode);
+/// An event: element, kind, and the mode of the element afterwards.
+type Kind = (Element, EventKind, Mode);
 
 /// The events of a period, from any start.
 #[derive(Debug, Clone)]
@@ -20,15 +20,15 @@ pub(super) struct Sequence {
 /// A measure of the distance of a motion from a change of its events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Nearness {
-    /// Two events change their order: the delay of the event of the contact with the larger number.
-    /// It has different signs on the two sides.
+    /// Two events change their order: the delay of the event of the element that is listed last at
+    /// one time. It has different signs on the two sides.
     Order(f64),
-    /// Two events of a contact vanish on one side: the time between them.
+    /// Two events of an element vanish on one side: the time between them.
     Pair(f64),
 }
 
-/// Events of different contacts closer than this part of the period count as simultaneous: they
-/// are listed by contact.
+/// Events of different elements closer than this part of the period count as simultaneous: they
+/// are listed by element.
 const TOGETHER: f64 = 1e-11;
 
 impl Sequence {
@@ -44,9 +44,13 @@ impl Sequence {
         is_left_out: impl Fn(&Event<State>) -> bool,
     ) -> Self {
         let events = map.events();
+        let slips_by_rounding = |event: &Event<State>| {
+            let contact = event.contact();
+            contact.is_some_and(|contact| map.slips_by_rounding(contact))
+        };
         let mut events: Vec<_> = events
-            .filter(|(event, _)| !map.slips_by_rounding(event.contact) && !is_left_out(event))
-            .map(|(event, after)| (event.time, (event.contact, event.kind, after)))
+            .filter(|(event, _)| !slips_by_rounding(event) && !is_left_out(event))
+            .map(|(event, after)| (event.time, (event.element, event.kind, after)))
             .collect();
         // The sequence begins after the longest pause, so that simultaneous events are not
         // separated by the end of the period.
@@ -64,7 +68,7 @@ impl Sequence {
         let mut first = 0;
         for i in 1..=count {
             if i == count || events[i].0 - events[i - 1].0 > TOGETHER * period {
-                sort_by(&mut events[first..i], |event| event.1.0 as f64);
+                events[first..i].sort_by_key(|event| event.1.0);
                 first = i;
             }
         }
@@ -114,7 +118,7 @@ impl Sequence {
         if !are_swapped || differing.next().is_some() {
             return None;
         }
-        // Events at one time are listed by contact.
+        // Events at one time are listed by element.
         let later = (self.times[b] - self.times[a] + 0.5).rem_euclid(1.0) - 0.5;
         Some(Nearness::Order(
             if self.kinds[a].0 < self.kinds[b].0 {
@@ -137,15 +141,10 @@ impl Sequence {
         } else {
             (other, self)
         };
-        let contacts = long
-            .kinds
-            .iter()
-            .chain(&short.kinds)
-            .map(|event| event.0)
-            .max();
-        let grazes = (0..=contacts.unwrap_or(0)).all(|contact| {
+        let mut elements = long.kinds.iter().chain(&short.kinds).map(|event| event.0);
+        let grazes = elements.all(|element| {
             let of = |sequence: &Self| -> Vec<(EventKind, Mode)> {
-                let own = sequence.kinds.iter().filter(|event| event.0 == contact);
+                let own = sequence.kinds.iter().filter(|event| event.0 == element);
                 own.map(|event| (event.1, event.2)).collect()
             };
             has_more_pairs(&of(short), &of(long))
@@ -163,8 +162,8 @@ fn is_rotated<T: PartialEq>(a: &[T], b: &[T]) -> bool {
     a.len() == b.len() && (a.is_empty() || (0..a.len()).any(turned))
 }
 
-/// Returns true if the events of one contact become others by removing pairs of events after which
-/// the contact continues as before.
+/// Returns true if the events of one element become others by removing pairs of events after which
+/// the element continues as before.
 fn has_more_pairs(short: &[(EventKind, Mode)], long: &[(EventKind, Mode)]) -> bool {
     /// Limit of the pairs to be removed.
     const MOST_PAIRS: usize = 4;

@@ -19,7 +19,7 @@
 //! ```
 //! use stick_slip::orbit::{self, Period};
 //! use stick_slip::structure::State;
-//! use stick_slip::{Contact, Coulomb, Drive, Exponential, Structure};
+//! use stick_slip::{Contact, Coulomb, Drive, Element, EventKind, Exponential, Structure};
 //!
 //! // Mass 0 rubs on a belt, a force shakes mass 1; a spring and a friction joint couple them.
 //! let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.3)?, 1.0)?.on_belt(0.2);
@@ -35,8 +35,9 @@
 //! // The motion from rest, with every event: the joint slips when mass 0 sticks to the belt.
 //! let motion = blocks.simulate(State::at_rest(2), 50.0)?;
 //! let [stick, release, ..] = motion.events() else { panic!() };
-//! assert_eq!((stick.contact, stick.kind.to_string()), (0, "stick".to_owned()));
-//! assert_eq!((release.contact, release.kind.to_string()), (1, "release (lagging)".to_owned()));
+//! assert_eq!((stick.element, stick.kind), (Element::Contact(0), EventKind::Stick));
+//! assert_eq!(release.element, Element::Contact(1));
+//! assert_eq!(release.kind.to_string(), "release (lagging)");
 //! assert!((stick.time - 0.474696005111476).abs() < 1e-14);
 //! assert_eq!(release.time, stick.time);
 //! assert_eq!(motion.last().velocities[0], 0.2);

@@ -2,7 +2,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::engine::modes::Modes;
 use crate::clock::Clock;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::motion::sealed::{self, Part as _};
 use crate::motion::{self, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory};
 use crate::series::PowerSeries;
@@ -197,7 +197,7 @@ impl Step {
         let mut step = self.ending_in(&state);
         let event = Event {
             time: step.end.time,
-            contact,
+            element: Element::Contact(contact),
             kind: EventKind::Stick,
             state,
         };

@@ -12,8 +12,8 @@ use crate::common::{
     Decay, Leine, Random, Table, count, exactly, friction_law, on_belt, paper, ulp,
 };
 use stick_slip::{
-    AnyLaw, Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator,
-    MassOnBelt, Mode, Polynomial, Segment, State, Step, Trajectory,
+    AnyLaw, Coulomb, Direction, Element, Error, Event, EventKind, Exponential, FrictionLaw,
+    Integrator, MassOnBelt, Mode, Polynomial, Segment, State, Step, Trajectory,
 };
 
 const EPS: f64 = f64::EPSILON;
@@ -923,7 +923,7 @@ impl<'a> Exact<'a> {
         let (time, state) = (self.time, self.state);
         self.events.push(Event {
             time,
-            contact: 0,
+            element: Element::Contact(0),
             kind,
             state,
         });

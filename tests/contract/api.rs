@@ -12,11 +12,11 @@ use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::orbit::{BifurcationKind, LyapunovExponent, Orbit, Period};
 use stick_slip::{
-    AnyLaw, Backlash, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error,
-    Event, EventKind, Exponential, Flow, ForceElement, FrictionLaw, Integrator, Iwan4, LimitCycle,
-    MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring, Rational, Reached, Scalar,
-    Scaled, Scaling, SnapThrough, Stability, State, Step, Stribeck, Tabulated, TabulatedForce,
-    Trajectory, VanDerPol, structure,
+    AnyLaw, Backlash, Coulomb, CycleKind, CycleSet, Direction, Element, EnergyBudget, Equilibrium,
+    Error, Event, EventKind, Exponential, Flow, ForceElement, FrictionLaw, Integrator, Iwan4,
+    LimitCycle, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring, Rational,
+    Reached, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Step, Stribeck, Tabulated,
+    TabulatedForce, Trajectory, VanDerPol, structure,
 };
 
 #[test]
@@ -171,7 +171,7 @@ fn events_modes_and_directions_are_shown() {
     assert_eq!(Mode::Slip(lagging).to_string(), "slip (lagging)");
     let event = Event {
         time: 1.25,
-        contact: 0,
+        element: Element::Contact(0),
         kind: EventKind::Release(lagging),
         state: State::new(-0.5, 0.25),
     };

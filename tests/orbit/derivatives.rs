@@ -186,7 +186,9 @@ type Sequence = Vec<(usize, EventKind)>;
 
 fn sequence(steps: &[Step]) -> Sequence {
     let events = steps.iter().flat_map(Segment::events);
-    events.map(|event| (event.contact, event.kind)).collect()
+    events
+        .map(|event| (event.contact().unwrap(), event.kind))
+        .collect()
 }
 
 /// Column of the derivative by central differences of three widths, with an estimate of its error;

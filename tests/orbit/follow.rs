@@ -12,7 +12,7 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
+    Contact, Coulomb, Direction, Drive, Dwell, Element, Error, EventKind, Exponential, FrictionLaw,
     Integrator, MassOnBelt, Polynomial, Rational, Stribeck, Structure, SystemState, bifurcation,
     limit_cycle,
 };
@@ -339,11 +339,9 @@ fn a_release_that_becomes_tangential_ends_the_branch_there() {
     else {
         panic!("{:?}", branch.ends)
     };
-    let stick = (0, EventKind::Stick);
-    assert_eq!(
-        events,
-        &[stick, (0, EventKind::Release(Direction::Lagging))]
-    );
+    let stick = (Element::Contact(0), EventKind::Stick);
+    let release = EventKind::Release(Direction::Lagging);
+    assert_eq!(events, &[stick, (Element::Contact(0), release)]);
     assert_eq!(beyond, &[stick]);
 
     let (period, highest) = (TAU / OMEGA, (TAU - (BELT / (FORCE * OMEGA)).acos()) / OMEGA);
@@ -536,7 +534,8 @@ fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
         "{time}"
     );
     assert_eq!(events, &[]);
-    assert_eq!(beyond[0], (0, EventKind::Release(Direction::Lagging)));
+    let release = EventKind::Release(Direction::Lagging);
+    assert_eq!(beyond[0], (Element::Contact(0), release));
     for point in &branch.points {
         assert_abs_diff_eq!(place(&point.orbit), 0.25, epsilon = 1e-3);
     }
@@ -591,13 +590,13 @@ fn a_jump_is_where_motions_from_one_start_part() {
             }
             assert!((last.parameter - parameter).abs() < 1e-8 * frequency, "{i}");
             let away = 1e-7 * (2.0 * which as f64 - 1.0);
-            let kinds = |parameter: f64| -> Vec<(usize, EventKind)> {
+            let kinds = |parameter: f64| -> Vec<(Element, EventKind)> {
                 let system = family(parameter).unwrap();
                 let motion = system
                     .simulate(last.orbit.state(), system.period().unwrap())
                     .unwrap();
                 let events = motion.events().iter().filter(|event| event.time > 1e-6);
-                events.map(|event| (event.contact, event.kind)).collect()
+                events.map(|event| (event.element, event.kind)).collect()
             };
             assert_eq!(&kinds(parameter - away), events, "{i}");
             assert_ne!(events, beyond, "{i}");

@@ -84,7 +84,7 @@ fn compare(case: &Value, orbit: &Orbit<State>, coordinates: &[usize]) -> Worst {
         let turned = events.iter().cycle().skip(shift);
         turned.zip(expected).all(|(event, expected)| {
             event.kind == kind(text(&expected["kind"]))
-                && expected["contact"] == coordinates[event.contact]
+                && expected["contact"] == coordinates[event.contact().unwrap()]
         })
     };
     let distance = |shift: usize| {
@@ -125,7 +125,11 @@ fn compare(case: &Value, orbit: &Orbit<State>, coordinates: &[usize]) -> Worst {
         if let (Some(theta), EventKind::Release(_), true) =
             (expected.get("theta"), event.kind, remembers(case))
         {
-            worst.meet("θ", event.state.memory[event.contact], number(theta));
+            worst.meet(
+                "θ",
+                event.state.memory[event.contact().unwrap()],
+                number(theta),
+            );
         }
     }
     let mut expected: Vec<[f64; 2]> = list(&case["multipliers"])

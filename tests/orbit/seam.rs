@@ -33,7 +33,7 @@ fn kinds(orbit: &Orbit<State>) -> Vec<(usize, String)> {
     let mut kinds: Vec<_> = orbit
         .events()
         .iter()
-        .map(|event| (event.contact, event.kind.to_string()))
+        .map(|event| (event.contact().unwrap(), event.kind.to_string()))
         .collect();
     kinds.sort();
     kinds

@@ -4,8 +4,8 @@ use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Direction, Drive, Error, Event, EventKind, Exponential, Integrator,
-    Mode, Structure, Trajectory,
+    AnyLaw, Contact, Coulomb, Direction, Drive, Element, Error, Event, EventKind, Exponential,
+    Integrator, Mode, Structure, Trajectory,
 };
 
 use crate::common::{Random, count, exactly, forces, one_mass, text};
@@ -36,18 +36,20 @@ fn motion(structure: &Structure, start: &State, duration: f64) -> Trajectory<Sta
 
 fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
     let events = motion.events().iter();
-    events.map(|event| (event.contact, event.kind)).collect()
+    events
+        .map(|event| (event.contact().unwrap(), event.kind))
+        .collect()
 }
 
 /// Events with contacts of other numbers; those of one time in the order of the contacts.
 fn sorted(mut events: Vec<Event<State>>, number: impl Fn(usize) -> usize) -> Vec<Event<State>> {
     for event in &mut events {
-        event.contact = number(event.contact);
+        event.element = Element::Contact(number(event.contact().unwrap()));
     }
     let mut begun = 0;
     for k in 1..=events.len() {
         if k == events.len() || events[k].time - events[begun].time > 1e-11 {
-            events[begun..k].sort_by_key(|event| event.contact);
+            events[begun..k].sort_by_key(|event| event.contact().unwrap());
             begun = k;
         }
     }
@@ -153,13 +155,20 @@ fn coordinates_may_be_changed() {
         let (first, second) = (later(&a), later(&b));
         let times = |events: &[Event<State>]| -> Vec<_> {
             let events = events.iter();
-            events.map(|e| (e.time, e.contact, e.kind)).collect()
+            events
+                .map(|e| (e.time, e.contact().unwrap(), e.kind))
+                .collect()
         };
         let both = [&first, &second].map(|events| times(events));
         assert_eq!(first.len(), second.len(), "{both:?}\n{}", about());
         let allowed = 1e-13 * condition * growth(&one, &start, &a, duration);
         for (a, b) in first.iter().zip(&second) {
-            assert_eq!((a.contact, a.kind), (b.contact, b.kind), "{}", about());
+            assert_eq!(
+                (a.contact().unwrap(), a.kind),
+                (b.contact().unwrap(), b.kind),
+                "{}",
+                about()
+            );
             let apart = apart(a, b, mapped);
             assert!(apart <= allowed, "{apart:e} of {allowed:e}: {}", about());
             worst = worst.max(apart / allowed);
@@ -283,7 +292,12 @@ fn contacts_may_be_numbered_in_any_order() {
         let about = || format!("{i}: {plain:?}\n{start:?}\n{order:?}");
         assert_eq!(one.len(), other.len(), "{}", about());
         for (a, b) in one.iter().zip(&other) {
-            assert_eq!((a.contact, a.kind), (b.contact, b.kind), "{}", about());
+            assert_eq!(
+                (a.contact().unwrap(), a.kind),
+                (b.contact().unwrap(), b.kind),
+                "{}",
+                about()
+            );
             let apart = apart(a, b, <[f64]>::to_vec);
             assert!(apart <= allowed, "{apart:e} of {allowed:e}: {}", about());
             events += 1;
@@ -456,7 +470,13 @@ fn a_clamped_mass_goes_on() {
         .and_then(|s| s.with_contact(Contact::new(0, dry(), 0.4)?))
         .unwrap();
     let motion = clamped.simulate(State::new(&[0.0], &[0.3]), 60.0).unwrap();
-    let count = |c: usize| motion.events().iter().filter(|e| e.contact == c).count();
+    let count = |c: usize| {
+        motion
+            .events()
+            .iter()
+            .filter(|e| e.contact().unwrap() == c)
+            .count()
+    };
     assert!(count(0) > 4 && count(1) > 2, "{:?}", keys(&motion));
     for step in motion.steps() {
         assert_ne!(step.modes(), [Mode::Stick, Mode::Stick]);
@@ -652,7 +672,11 @@ fn contacts_come_to_rest_with_those_that_they_depend_on() {
         for pair in motion.events().chunks(2) {
             let [first, second] = exactly(pair);
             assert_eq!(first.time, second.time, "{i}");
-            assert_eq!([first.contact, second.contact], [0, 2], "{i}");
+            assert_eq!(
+                [first.contact().unwrap(), second.contact().unwrap()],
+                [0, 2],
+                "{i}"
+            );
             together += 1;
         }
     }
@@ -698,7 +722,7 @@ fn contacts_come_to_rest_together_beside_one_that_holds() {
                 let [first, second] = exactly(pair);
                 assert_eq!(first.time, second.time, "{i}, {tolerance:e}");
                 assert_eq!(
-                    [first.contact, second.contact],
+                    [first.contact().unwrap(), second.contact().unwrap()],
                     [0, 1],
                     "{i}, {tolerance:e}"
                 );

@@ -15,7 +15,9 @@ fn even(coefficient: f64) -> Coulomb {
 
 fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
     let events = motion.events().iter();
-    events.map(|event| (event.contact, event.kind)).collect()
+    events
+        .map(|event| (event.contact().unwrap(), event.kind))
+        .collect()
 }
 
 /// Two shafts, a brake on each and a clutch between them, with a torque that grows by 1 in a unit

@@ -150,7 +150,8 @@ fn a_block_on_the_edge_of_its_band_stays() {
         let motion = block.simulate(State::at_rest(1), 20.0).unwrap();
         assert!(motion.events().len() >= 6);
         for event in motion.events() {
-            let is_turn = matches!(event.kind, EventKind::Crossing(_)) && event.contact == 0;
+            let is_turn =
+                matches!(event.kind, EventKind::Crossing(_)) && event.contact().unwrap() == 0;
             assert!(is_turn, "{i}: {event:?}");
         }
         assert_eq!(motion.last(), State::at_rest(1));
@@ -183,7 +184,7 @@ fn a_held_block_slides_at_a_breakpoint() {
         let kinds = motion
             .events()
             .iter()
-            .map(|event| (event.contact, event.kind));
+            .map(|event| (event.contact().unwrap(), event.kind));
         let release = (0, EventKind::Release(Direction::Lagging));
         releases += kinds.filter(|kind| *kind == release).count();
 

@@ -694,7 +694,9 @@ fn sliders_stop_with_the_contacts_that_hold_them() {
                 .unwrap();
             let stop = |contact: usize| {
                 let events = motion.events();
-                let mut own = events.iter().filter(|event| event.contact == contact);
+                let mut own = events
+                    .iter()
+                    .filter(|event| event.contact().unwrap() == contact);
                 let stop = own.find(|event| event.kind == EventKind::Stick);
                 stop.unwrap().time
             };
@@ -782,7 +784,9 @@ fn a_slider_held_at_its_limit_is_released_with_its_holder() {
         assert!(motion.steps().len() < 100, "{tolerance:e}");
         let late = motion.events().iter().filter(|event| event.time > 4.3);
         let releases = late.filter(|event| matches!(event.kind, EventKind::Release(_)));
-        let times: Vec<_> = releases.map(|event| (event.contact, event.time)).collect();
+        let times: Vec<_> = releases
+            .map(|event| (event.contact().unwrap(), event.time))
+            .collect();
         let [(0, time), (2, follows), ..] = times[..] else {
             panic!("{tolerance:e}: {times:?}");
         };
@@ -846,7 +850,7 @@ fn a_slider_at_its_limit_follows_a_release_away_from_it() {
         assert!(motion.steps().len() < 100, "{tolerance:e}");
         let late = motion.events().iter().filter(|event| event.time > 4.0);
         let [&release] = exactly(&late.collect::<Vec<_>>());
-        assert_eq!(release.contact, 0, "{tolerance:e}");
+        assert_eq!(release.contact().unwrap(), 0, "{tolerance:e}");
         assert_eq!(release.kind, EventKind::Release(Direction::Lagging));
         assert!(
             (release.time - 4.0350067371).abs() < 1e-8,

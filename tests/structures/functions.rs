@@ -377,7 +377,9 @@ fn a_function_that_is_a_harmonic_gives_its_motions() {
         let [harmonic, function] = both.map(|s| s.simulate(start.clone(), 30.0).unwrap());
         let kinds = [&harmonic, &function].map(|motion| {
             let events = motion.events().iter();
-            events.map(|e| (e.contact, e.kind)).collect::<Vec<_>>()
+            events
+                .map(|e| (e.contact().unwrap(), e.kind))
+                .collect::<Vec<_>>()
         });
         assert_eq!(kinds[0], kinds[1], "case {case}");
         for (one, other) in std::iter::zip(harmonic.events(), function.events()) {

@@ -42,7 +42,7 @@ fn motions_have_the_reference_events_and_states() {
         let what = |quantity: &str| format!("{id}, {quantity}");
         for (actual, expected) in motion.events().iter().zip(expected) {
             events += 1;
-            let coordinate = system.contacts()[actual.contact].coordinate();
+            let coordinate = system.contacts()[actual.contact().unwrap()].coordinate();
             assert_eq!(
                 expected["contact"].as_u64(),
                 Some(coordinate as u64),
@@ -60,7 +60,7 @@ fn motions_have_the_reference_events_and_states() {
                     .get("dwell")
                     .is_some()
             {
-                let clock = actual.state.memory[actual.contact];
+                let clock = actual.state.memory[actual.contact().unwrap()];
                 worst.meet(&what("θ"), clock, number(theta));
             }
         }
@@ -510,7 +510,10 @@ fn a_contact_sticks_no_longer_than_its_limit_beside_bristles() {
             .and_then(|integrator| integrator.simulate(&pair.system, start, 20.0));
         // The stiffest take too many steps.
         let Ok(motion) = motion else { continue };
-        let own = motion.events().iter().filter(|event| event.contact == 1);
+        let own = motion
+            .events()
+            .iter()
+            .filter(|event| event.contact().unwrap() == 1);
         releases += own
             .filter(|event| matches!(event.kind, EventKind::Release(_)))
             .count();
@@ -581,7 +584,7 @@ fn a_release_beside_bristles_has_its_time() {
     let mut events = motion.events().iter();
     let release = events.find(|event| matches!(event.kind, EventKind::Release(_)));
     let release = release.unwrap();
-    assert_eq!(release.contact, 1);
+    assert_eq!(release.contact().unwrap(), 1);
     assert_abs_diff_eq!(release.time, 0.564188985587, epsilon = 2e-9);
     assert_abs_diff_eq!(motion.last().velocities[1], 0.088396784998, epsilon = 2e-12);
 }

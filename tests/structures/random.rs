@@ -20,7 +20,7 @@ fn told_of(event: &Event<State>) -> Seen {
         EventKind::Open => ('o', 0.0),
         EventKind::Close => ('c', 0.0),
     };
-    (event.time, event.contact, letter, side)
+    (event.time, event.contact().unwrap(), letter, side)
 }
 
 pub(crate) fn told(motion: &Trajectory<State>) -> Vec<Seen> {

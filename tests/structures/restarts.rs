@@ -164,9 +164,10 @@ fn later<'m>(
     };
     let is_with_another = |event: &&Event<State>| {
         let near = |other: &Event<State>| {
-            other.contact != event.contact && (other.time - event.time).abs() < 1e-12
+            other.contact().unwrap() != event.contact().unwrap()
+                && (other.time - event.time).abs() < 1e-12
         };
-        is_crossing(event) && never_sticks(event.contact) && events.iter().any(near)
+        is_crossing(event) && never_sticks(event.contact().unwrap()) && events.iter().any(near)
     };
     let late = events.iter().filter(|event| event.time > time + 1e-6);
     late.filter(|event| !is_with_another(event)).collect()
@@ -196,8 +197,9 @@ fn distance(
         let events = events.into_iter().filter(|event| event.time < last);
         events.collect::<Vec<_>>()
     });
-    let is_same =
-        |(a, b): (&&Event<State>, &&Event<State>)| (a.contact, a.kind) == (b.contact, b.kind);
+    let is_same = |(a, b): (&&Event<State>, &&Event<State>)| {
+        (a.contact().unwrap(), a.kind) == (b.contact().unwrap(), b.kind)
+    };
     if a.len() != b.len() || !a.iter().zip(&b).all(is_same) {
         return f64::INFINITY;
     }

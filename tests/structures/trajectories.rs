@@ -5,7 +5,9 @@ use serde_json::Value;
 use std::panic::AssertUnwindSafe;
 
 use stick_slip::structure::State;
-use stick_slip::{Direction, Error, Event, EventKind, Integrator, Mode, Structure, Trajectory};
+use stick_slip::{
+    Direction, Element, Error, Event, EventKind, Integrator, Mode, Structure, Trajectory,
+};
 
 use crate::common::{Worst, kind, list, number, text};
 use crate::reading::{cases, numbers, structure};
@@ -65,7 +67,7 @@ fn simulate(
             let motion = integrator.simulate(system, start, before).unwrap();
             let separation = Event {
                 time: reached.time,
-                contact,
+                element: Element::Contact(contact),
                 kind: EventKind::Open,
                 state: reached.state,
             };
@@ -183,7 +185,7 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
             kinds.pop();
             let separation = separation.unwrap_or_else(|| panic!("{id}: did not separate"));
             let contact = expected[kinds.len()]["contact"].as_u64();
-            assert_eq!(Some(separation.contact as u64), contact, "{id}");
+            assert_eq!(Some(separation.contact().unwrap() as u64), contact, "{id}");
             actual.push(separation);
         }
         let order: Vec<_> = kinds.iter().map(|name| kind(name)).collect();
@@ -200,7 +202,7 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
         }
         for (n, (actual, expected)) in actual.iter().zip(expected).enumerate() {
             let what = |quantity: &str| format!("{id}, event {n}: {quantity}");
-            if Some(actual.contact as u64) != expected["contact"].as_u64() {
+            if Some(actual.contact().unwrap() as u64) != expected["contact"].as_u64() {
                 failures.push(what("contact"));
                 break;
             }
@@ -208,7 +210,8 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
             // An error of the force delays a release by its ratio to the rate of the force.
             let late = match (change > 0.0, actual.kind) {
                 (true, EventKind::Release(_)) => {
-                    let stiffness = system.contacts()[actual.contact].tangential_stiffness();
+                    let stiffness =
+                        system.contacts()[actual.contact().unwrap()].tangential_stiffness();
                     vibrating(time) / (stiffness.unwrap() * number(&expected["rate"]))
                 }
                 _ => 0.0,

@@ -41,7 +41,7 @@ impl Compared {
         for (n, (one, other)) in std::iter::zip(expected.events(), found.events()).enumerate() {
             let about = format!("{about}, event {n}");
             assert_eq!(kinds(n).0, kinds(n).1, "{about}");
-            assert_eq!(other.contact, 0);
+            assert_eq!(other.contact().unwrap(), 0);
             self.worst
                 .meet_within(allowed, &about, other.time, one.time);
             let (u, v) = (other.state.displacements[0], other.state.velocities[0]);

@@ -35,19 +35,19 @@ impl Task {
     }
 }
 
-/// A row for each event: time, contact, kind, and state.
+/// A row for each event: time, element, kind, and state.
 fn events(n: usize, events: &[Event<State>]) -> Result<String, Failure> {
-    let mut table = String::from("time,contact,event");
+    let mut table = String::from("time,element,event");
     columns(&mut table, &[("q", n), ("v", n)])?;
     for Event {
         time,
-        contact,
+        element,
         kind,
         state,
         ..
     } in events
     {
-        write!(table, "\n{time},{contact},{kind}")?;
+        write!(table, "\n{time},{element},{kind}")?;
         numbers(&mut table, &[&state.displacements, &state.velocities])?;
     }
     Ok(table + "\n")

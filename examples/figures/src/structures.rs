@@ -48,11 +48,14 @@ pub(crate) fn chain() -> Result<Figure> {
         let mut panel = Panel::new(&upper, "(a)  slips", axes)?;
         let mut released = [None; BLOCKS];
         for event in motion.events() {
-            let place = (event.contact + 1) as f64;
+            let Some(block) = event.contact() else {
+                continue;
+            };
+            let place = (block + 1) as f64;
             match event.kind {
-                EventKind::Release(_) => released[event.contact] = Some(event.time),
+                EventKind::Release(_) => released[block] = Some(event.time),
                 EventKind::Stick => {
-                    if let Some(time) = released[event.contact].take() {
+                    if let Some(time) = released[block].take() {
                         let slip = [(time, place), (event.time, place)];
                         panel.line(&slip, Stroke::solid(BLUE, 3.5))?;
                     }

@@ -9,6 +9,7 @@ use super::super::linear::load_at_end;
 use super::super::map::PeriodMap;
 use super::super::trial::TrialMotion;
 use super::found::LocusKind;
+use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::numerics::sort::sort_by;
 use crate::state::Direction;
@@ -85,7 +86,7 @@ impl Mark {
             Some(kind) => event.kind == kind,
             None => matches!(event.kind, EventKind::Stick | EventKind::Crossing(_)),
         };
-        event.contact == self.contact && kind
+        event.contact() == Some(self.contact) && kind
     }
 
     /// Its event among those of a motion, with the step at whose end it is.
@@ -108,24 +109,25 @@ impl Mark {
     pub(super) fn covers(&self, event: &Event<State>, begins: f64, period: f64) -> bool {
         const LASTS: f64 = 1e-6;
         let near = (event.time - begins - self.since).abs() <= LASTS * period;
-        near && event.contact == self.contact && (self.kind.is_none() || self.is(event))
+        near && event.contact() == Some(self.contact) && (self.kind.is_none() || self.is(event))
     }
 }
 
 /// The margin of a crossing above the static limit, in units of friction: about −σR/(N μ_s) − 1. It
 /// is negative for a stop.
 pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
-    let Some(Mode::Slip(side)) = step.modes().get(event.contact) else {
+    let number = event.contact()?;
+    let Some(Mode::Slip(side)) = step.modes().get(number) else {
         return None;
     };
-    form.model.owner_of(event.contact)?;
-    let contact = &form.model.contacts[event.contact];
-    let memory = &event.state.memory[form.model.memory(event.contact)];
+    form.model.owner_of(number)?;
+    let contact = &form.model.contacts[number];
+    let memory = &event.state.memory[form.model.memory(number)];
     let (kinetic, limit) = contact.coefficients_at_rest(*side, memory);
     let limit = limit?;
     let h = step.duration();
     let friction = load_at_end(contact, step)[0] * contact.compliance * (kinetic + limit);
-    let rate = speeds(form, step, event.contact, *side).slope_at(h);
+    let rate = speeds(form, step, number, *side).slope_at(h);
     (friction > 0.0).then(|| -rate / friction - 1.0)
 }
 
@@ -255,7 +257,7 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
             let mut own = step
                 .events()
                 .iter()
-                .filter(|event| event.contact == contact);
+                .filter(|event| event.contact() == Some(contact));
             if let Some(event) = own.next()
                 && falling.is_some()
                 && let Some(t) = minimum_behind(&speeds, step.duration())
@@ -274,7 +276,7 @@ fn rest_of(map: &PeriodMap, event: &Event<State>, period: f64) -> f64 {
         return 0.0;
     }
     let others = map.events().map(|(other, _)| other);
-    let others = others.filter(|other| other.contact == event.contact && other.kind != event.kind);
+    let others = others.filter(|other| other.element == event.element && other.kind != event.kind);
     let later = others.map(|other| (other.time - event.time).rem_euclid(period));
     later.fold(period, f64::min)
 }
@@ -284,23 +286,25 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let steps = map.steps.iter();
     let events = steps.flat_map(|step| step.events().iter().map(move |event| (step, event)));
-    let events: Vec<_> = events.filter(|(_, event)| event.time > begins).collect();
-    let mark = |event: &Event<State>, kind: Option<EventKind>| Mark {
-        contact: event.contact,
+    let events = events.filter(|(_, event)| event.time > begins);
+    let events = events.filter_map(|(step, event)| Some((step, event, event.contact()?)));
+    let events: Vec<_> = events.collect();
+    let mark = |(event, contact): (&Event<State>, usize), kind: Option<EventKind>| Mark {
+        contact,
         kind,
         since: event.time - begins,
         within: within(
             event.time,
             events
                 .iter()
-                .filter(|(_, other)| other.contact == event.contact)
-                .map(|(_, other)| other.time),
+                .filter(|(_, _, other)| *other == contact)
+                .map(|(_, other, _)| other.time),
             period,
         ),
     };
-    let arrivals = events.iter().filter_map(|(step, event)| {
+    let arrivals = events.iter().filter_map(|&(step, event, contact)| {
         let margin = margin(form, step, event)?;
-        Some((event.contact, margin, mark(event, None)))
+        Some((contact, margin, mark((event, contact), None)))
     });
     let mut arrivals: Vec<_> = arrivals.collect();
     sort_by(&mut arrivals, |arrival| arrival.1.abs());
@@ -316,20 +320,19 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
         }
     });
     let pairs = events.iter().enumerate();
-    let pairs = pairs.flat_map(|(i, (_, a))| events[..i].iter().map(move |(_, b)| (*a, *b)));
-    let orders = pairs.filter(|(a, b)| a.contact != b.contact).map(|(a, b)| {
-        let (a, b) = if a.contact < b.contact {
-            (a, b)
-        } else {
-            (b, a)
-        };
+    let pairs = pairs.flat_map(|(i, &(_, a, c))| {
+        let before = events[..i].iter();
+        before.map(move |&(_, b, d)| ((a, c), (b, d)))
+    });
+    let orders = pairs.filter(|(a, b)| a.1 != b.1).map(|(a, b)| {
+        let (a, b) = if a.1 < b.1 { (a, b) } else { (b, a) };
         Change {
             kind: LocusKind::Order {
-                contacts: [a.contact, b.contact],
+                contacts: [a.1, b.1],
             },
             holds: Vec::new(),
-            marks: vec![mark(a, Some(a.kind)), mark(b, Some(b.kind))],
-            size: (a.time - b.time).abs() / period,
+            marks: vec![mark(a, Some(a.0.kind)), mark(b, Some(b.0.kind))],
+            size: (a.0.time - b.0.time).abs() / period,
         }
     });
     stops
@@ -338,17 +341,19 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
         .min_by(|a, b| a.size.total_cmp(&b.size))
 }
 
-/// The arrivals of a motion after which a contact sticks, by its events: time, contact and kind.
+/// The arrivals of a motion after which a contact sticks, by its events: time, element and kind.
 /// They may be missing in the motion from its start.
 pub(super) fn arrivals(
     form: &GeneralForm<'_>,
     trial: &TrialMotion,
-    events: &[(f64, usize, EventKind)],
+    events: &[(f64, Element, EventKind)],
 ) -> Vec<Hold> {
     let period = trial.period;
     let mut holds = Vec::new();
     for contact in (0..form.contacts()).filter(|&c| form.holds(c)) {
-        let own = events.iter().filter(|event| event.1 == contact);
+        let own = events
+            .iter()
+            .filter(|event| event.1 == Element::Contact(contact));
         let own: Vec<_> = own.copied().collect();
         for (i, (time, _, kind)) in own.iter().enumerate() {
             let [before, after] = [i + own.len() - 1, i + 1].map(|i| own[i % own.len()]);

@@ -25,7 +25,7 @@ use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusKind, SpecialKind};
 use super::frozen_start::FrozenStart;
 use super::motions::Motions;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::motion::{EventKind, Segment};
 use crate::numerics::trace::{Equations, Point};
 use crate::structure::Step;
@@ -47,7 +47,7 @@ pub(super) struct Held {
     /// End minus start; 0 for variables on which nothing depends.
     residual: DVector<f64>,
     scalar: f64,
-    events: Vec<(usize, EventKind)>,
+    events: Vec<(Element, EventKind)>,
     /// The motion of a solution with its derivative, and its events except those that change.
     pub(super) trial: TrialMotion,
     sequence: Option<Sequence>,
@@ -98,7 +98,7 @@ impl EventCurve<'_> {
     ) -> Result<Held, Error> {
         let map = &trial.map;
         let (residual, start) = (map.residual(), vector(&map.start, self.motions.order));
-        let events = map.events().map(|(event, _)| (event.contact, event.kind));
+        let events = map.events().map(|(event, _)| (event.element, event.kind));
         let seen = self.motions.with(self.motions.parameters(y), |form| {
             Ok(self.seen(form, (&map.steps, &map.touches), begin))
         })?;
@@ -155,7 +155,7 @@ impl EventCurve<'_> {
             let end = steps.last().map(Segment::end_state).unwrap_or_default();
             let residual = near.trial.map.residual_near(&start, &end);
             let events = steps.iter().flat_map(Segment::events);
-            let events = events.map(|event| (event.contact, event.kind)).collect();
+            let events = events.map(|event| (event.element, event.kind)).collect();
             Ok(Some(Held {
                 start: vector(&start, motions.order),
                 residual,

@@ -33,7 +33,7 @@ use super::oscillator::{Oscillator, SystemsOfTwo, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::trial::TrialMotion;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::motion::EventKind;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::{Point, check_ranges};
@@ -260,7 +260,7 @@ impl Search<'_> {
             }
             BifurcationKind::Grazing | BifurcationKind::Sequence => {
                 let events = at.orbit.events().iter();
-                let events: Vec<_> = events.map(|e| (e.time, e.contact, e.kind)).collect();
+                let events: Vec<_> = events.map(|e| (e.time, e.element, e.kind)).collect();
                 let y = motions.at(&start, period, [at.parameter, second]);
                 let change = changing(&motions, &y, at.kind, &events)?;
                 let curve = EventCurve {
@@ -303,12 +303,12 @@ fn located(error: Error, [first, second]: [f64; 2]) -> Error {
         .at("first parameter", first)
 }
 
-/// The change of events at a motion, with its own events: time, contact and kind.
+/// The change of events at a motion, with its own events: time, element and kind.
 fn changing(
     motions: &Motions<'_>,
     y: &DVector<f64>,
     kind: BifurcationKind,
-    events: &[(f64, usize, EventKind)],
+    events: &[(f64, Element, EventKind)],
 ) -> Result<Change, Error> {
     /// The largest distance of the motion from the change, in units of its sizes.
     const NEAR: f64 = 1e-4;

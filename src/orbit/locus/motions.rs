@@ -17,7 +17,7 @@ use super::super::period::Period;
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::frozen_start::{FrozenStart, Section};
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::motion::{EventKind, Segment};
 use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
@@ -371,10 +371,10 @@ impl<'f> Motions<'f> {
     }
 }
 
-/// The events of a motion after its start: contact and kind.
-pub(super) fn events_of(map: &PeriodMap) -> Vec<(usize, EventKind)> {
+/// The events of a motion after its start: element and kind.
+pub(super) fn events_of(map: &PeriodMap) -> Vec<(Element, EventKind)> {
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let events = map.steps.iter().flat_map(Segment::events);
     let events = events.filter(|event| event.time > begins);
-    events.map(|event| (event.contact, event.kind)).collect()
+    events.map(|event| (event.element, event.kind)).collect()
 }

@@ -14,9 +14,9 @@ use super::map::{PeriodMap, longest_pause, period_map, state, vector};
 use super::oscillator::{FamilyMember, Oscillator, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use crate::error::Error;
 #[cfg(doc)]
 use crate::error::NotDifferentiable;
+use crate::error::{Element, Error};
 use crate::motion::sealed::State as _;
 use crate::motion::{Event, EventKind, Segment};
 use crate::numerics::least_norm::least_norm;
@@ -38,8 +38,8 @@ pub struct Sensitivities {
 pub struct EventSensitivity {
     /// The time of the event, in units of time.
     pub time: f64,
-    /// The contact.
-    pub contact: usize,
+    /// The element at which the event happens.
+    pub element: Element,
     /// The kind of event.
     pub kind: EventKind,
     /// The derivative ∂t/∂p of the time with respect to each parameter p, in units of time per unit
@@ -116,7 +116,7 @@ impl Sensitivities {
         };
         let event = |(number, event): (usize, &Event<State>)| EventSensitivity {
             time: event.time,
-            contact: event.contact,
+            element: event.element,
             kind: event.kind,
             by_parameters: by(number),
         };

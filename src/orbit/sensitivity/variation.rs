@@ -14,7 +14,7 @@ use nalgebra::DVector;
 
 use super::super::form::GeneralForm;
 use super::super::map::vector;
-use crate::error::{Error, NotDifferentiable, Reached};
+use crate::error::{Element, Error, NotDifferentiable, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::structure::State;
@@ -46,13 +46,13 @@ fn order_of(a: &Event<State>, b: &Event<State>) -> Ordering {
     }
 }
 
-/// For each event of a group the place of the same event in another group; `None` if a contact has
-/// other events there.
+/// For each event of a group the place of the same event in another group; `None` if an element
+/// has other events there.
 fn places(group: &[Event<State>], other: &[Event<State>]) -> Option<Vec<usize>> {
-    let of = |contact: usize| move |event: &&Event<State>| event.contact == contact;
+    let of = |element: Element| move |event: &&Event<State>| event.element == element;
     let place = |(i, event): (usize, &Event<State>)| {
-        let number = group[..i].iter().filter(of(event.contact)).count();
-        let mut same = (0..other.len()).filter(|&j| other[j].contact == event.contact);
+        let number = group[..i].iter().filter(of(event.element)).count();
+        let mut same = (0..other.len()).filter(|&j| other[j].element == event.element);
         same.nth(number).filter(|&j| other[j].kind == event.kind)
     };
     group.iter().enumerate().map(place).collect()
@@ -316,7 +316,8 @@ impl Neighbour {
         // Contacts that stick at the start come to rest at once if they have a velocity.
         let first_modes = here.first_modes();
         let comes_to_rest = |event: &&Event<State>| {
-            event.kind == EventKind::Stick && first_modes.get(event.contact) == Some(&Mode::Stick)
+            event.kind == EventKind::Stick
+                && event.contact().and_then(|c| first_modes.get(c)) == Some(&Mode::Stick)
         };
         let settling = run.events.iter().take_while(comes_to_rest).count();
         if settling > 0 {

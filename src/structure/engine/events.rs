@@ -8,6 +8,7 @@ use super::passages::{Passage, first_passage};
 use super::plan::Plan;
 use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};
+use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{EventDistance, PowerSeries, TooCurved};
 use crate::state::Direction;
@@ -287,7 +288,7 @@ pub(super) fn events_between(
     let mut events = Vec::with_capacity(kinds.clone().count());
     events.extend(kinds.map(|(contact, kind)| Event {
         time: situation.clock.time,
-        contact,
+        element: Element::Contact(contact),
         kind,
         state: state.clone(),
     }));

@@ -150,10 +150,12 @@ impl<'s> Engine<'s> {
         // release.
         let mut events = events_between(&before.modes, situation, &state);
         events.retain(|event| {
-            let edge = situation.contacts[event.contact].edge;
             let is_release = matches!(event.kind, EventKind::Release(_));
             // The force of an elastic contact at the start determines whether its slider moves.
-            is_release && edge != Edge::Away && !model.contacts[event.contact].is_elastic()
+            let is_at_edge = |c: usize| {
+                situation.contacts[c].edge != Edge::Away && !model.contacts[c].is_elastic()
+            };
+            is_release && event.contact().is_some_and(is_at_edge)
         });
         engine.modes = Arc::new(Modes::of(model, situation));
         let first = (!events.is_empty()).then(|| {
@@ -335,13 +337,13 @@ impl<'s> Engine<'s> {
 
     /// Data about the events for the tangent flow.
     fn after(&self, events: &[Event<State>], triggers: Vec<Trigger>) -> EventData {
-        let is_shared = |event: &Event<State>| self.model.is_shared(event.contact);
         let is_forced = |event: &Event<State>| {
+            let contact = event.contact()?;
             let is_release = matches!(event.kind, EventKind::Release(_));
-            let is_own = self.model.owner_of(event.contact).is_some();
-            is_release && is_own && self.situation.contacts[event.contact].edge == Edge::Away
+            let is_own = self.model.owner_of(contact).is_some();
+            let is_forced = self.situation.contacts[contact].edge == Edge::Away;
+            (is_release && is_own && is_forced).then_some(contact)
         };
-        let forced = events.iter().filter(|event| is_forced(event));
         let limited = self.model.springs.iter().filter_map(|&c| {
             let state = &self.situation.contacts[c];
             match state.phase {
@@ -351,13 +353,14 @@ impl<'s> Engine<'s> {
                 _ => None,
             }
         });
-        let rates = if events.iter().any(is_shared) {
+        let mut contacts = events.iter().filter_map(Event::contact);
+        let rates = if contacts.any(|contact| self.model.is_shared(contact)) {
             self.acceleration()
         } else {
             Vec::new()
         };
         EventData {
-            forced: forced.map(|event| event.contact).collect(),
+            forced: events.iter().filter_map(is_forced).collect(),
             rates,
             triggers,
             limited: limited.collect(),
