@@ -173,6 +173,16 @@
 //!   `structures::forces::a_factor_is_a_stiffness_that_varies`. A motion that meets a singular
 //!   point of a force ends with an error that names the place:
 //!   `structures::forces::singular_points_of_a_force_are_named`.
+//! * **Stops** close and open at roots, as other events. A free mass rebounds as the closed forms
+//!   say, two stops without damper are a [`Backlash`](crate::Backlash), the heat of their dampers
+//!   closes the energy balance, and a motion continues from each of its states:
+//!   `structures::stops::a_free_mass_rebounds_as_the_formulas_say`,
+//!   `structures::stops::two_stops_without_damper_are_backlash`,
+//!   `structures::stops::energies_and_samples_of_stops`,
+//!   `structures::stops::motions_continue_from_their_states`. The reference motions with stops
+//!   agree as those without: `structures::trajectories::stops_have_the_reference_events_and_states`. A
+//!   stop that is never reached changes no bit:
+//!   `structures::stops::a_stop_out_of_reach_changes_nothing`.
 //! * **Steady sliding with force elements** is one of several solutions, found by Newton's method
 //!   from given displacements; no completeness is promised:
 //!   `structures::forces::steady_sliding_is_found_with_nonlinear_forces`.

@@ -127,6 +127,7 @@ impl Error {
             | Self::NotSmooth
             | Self::NoSwitch { .. }
             | Self::NoDerivative { .. }
+            | Self::RigidStop { .. }
             | Self::TooManyMechanisms { .. }
             | Self::LawNotConstant { .. }
             | Self::NonFiniteForce { .. }

@@ -4,15 +4,16 @@
 //! M δv' = … − Σ_i a_i D Σ_j (∂F_i/∂x_j a_j·δq + ∂F_i/∂y_j a_j·δv)
 //! ```
 //!
-//! The forces are continuous, and passages of breakpoints change their slopes only: the saltation
-//! matrix of a passage is S = I.
+//! The forces of force elements are continuous, and passages of breakpoints change their slopes
+//! only: the saltation matrix of a passage is S = I. That of a stop whose force jumps is in
+//! `saltation.rs`.
 
 use super::coefficient::{Coefficient, product};
 use crate::force::object::Place;
 use crate::motion::Segment;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::structure::Step;
-use crate::structure::engine::element::ElementData;
+use crate::structure::engine::model::Model;
 
 /// The derivatives of one element along a step: D ∂F_i/∂x_j, then D ∂F_i/∂y_j, a list over i for
 /// each j.
@@ -20,8 +21,10 @@ use crate::structure::engine::element::ElementData;
 pub(super) struct ElementDerivatives(pub(super) Vec<Vec<Coefficient>>);
 
 impl ElementDerivatives {
-    pub(super) fn of(element: &ElementData<'_>, step: &Step) -> Self {
-        let along = Along::of(element, step);
+    /// Those of element number `e`.
+    pub(super) fn of(model: &Model<'_>, e: usize, step: &Step) -> Self {
+        let element = &model.elements[e];
+        let along = Along::of(model, e, step);
         let factor = element.factor.series(step.clock());
         let by = |by: usize| {
             let slopes = element.law.derivative(along.place(), by);
@@ -31,10 +34,11 @@ impl ElementDerivatives {
         Self((0..2 * element.directions.len()).map(by).collect())
     }
 
-    /// The rate of each D F_i at the end of a step.
-    pub(super) fn rates(element: &ElementData<'_>, step: &Step) -> Vec<f64> {
+    /// The rate of each D F_i of element number `e` at the end of a step.
+    pub(super) fn rates(model: &Model<'_>, e: usize, step: &Step) -> Vec<f64> {
+        let element = &model.elements[e];
         let factor = element.factor.series(step.clock());
-        let forces = element.law.series(Along::of(element, step).place());
+        let forces = element.law.series(Along::of(model, e, step).place());
         let rates = forces.iter();
         rates
             .map(|force| product(&factor, force).slope_at(step.duration()))
@@ -59,7 +63,8 @@ struct Along {
 }
 
 impl Along {
-    fn of(element: &ElementData<'_>, step: &Step) -> Self {
+    fn of(model: &Model<'_>, e: usize, step: &Step) -> Self {
+        let element = &model.elements[e];
         let start = element.along(|j| step.state().displacements[j]);
         let series = |k: usize| element.along(|j| step.series().get(j).map_or(0.0, |v| v[k]));
         let mut velocities = vec![PowerSeries::ZERO; start.len()];
@@ -75,7 +80,10 @@ impl Along {
             })
         });
         let positions: Vec<PowerSeries> = positions.collect();
-        let piece = element.piece_above(positions[0].at(0.5 * step.duration()));
+        let piece = match e.checked_sub(model.force_elements()) {
+            Some(stop) => step.stops()[stop],
+            None => element.piece_above(positions[0].at(0.5 * step.duration())),
+        };
         Self {
             positions,
             velocities,

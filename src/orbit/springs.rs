@@ -83,12 +83,12 @@ impl TangentFlow<'_> {
                 }
             }
         }
-        for element in &model.elements {
+        for (e, element) in model.elements.iter().enumerate() {
             let response: Vec<f64> = responses_at(element, i).collect();
             if response.iter().all(|x| *x == 0.0) {
                 continue;
             }
-            let derivatives = ElementDerivatives::of(element, step);
+            let derivatives = ElementDerivatives::of(model, e, step);
             for (by, slopes) in derivatives.0.iter().enumerate() {
                 let forces = std::iter::zip(&response, slopes);
                 let forces = forces.map(|(x, slope)| x * slope.series.at(step.duration()));
@@ -121,12 +121,12 @@ impl TangentFlow<'_> {
             }
             rate
         });
-        let elements = model.elements.iter().map(|element| {
+        let elements = model.elements.iter().enumerate().map(|(e, element)| {
             let response: Vec<f64> = responses_at(element, i).collect();
             if response.iter().all(|x| *x == 0.0) {
                 return 0.0;
             }
-            let rates = ElementDerivatives::rates(element, step);
+            let rates = ElementDerivatives::rates(model, e, step);
             -std::iter::zip(response, rates)
                 .map(|(x, rate)| x * rate)
                 .sum::<f64>()

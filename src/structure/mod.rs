@@ -2,6 +2,7 @@
 // |---|---|
 // | `system.rs`, `matrices.rs` | `Structure`, the system for users; checks of its matrices |
 // | `force_element.rs` | `ForceElement`, a nonlinear spring, damper or force of several coordinates |
+// | `stop.rs` | `Stop`, a spring with a damper behind a gap |
 // | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
@@ -62,7 +63,7 @@
 //! | where friction acts, with which friction law and normal load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
 //! | elastic joints, normal springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
 //! | a hard spring, pendulum, gear play, snap-through, nonlinear damper | [`ForceElement`], with a law of the crate ([`PolynomialSpring`](crate::PolynomialSpring), [`Pendulum`](crate::Pendulum), [`Backlash`](crate::Backlash), [`SnapThrough`](crate::SnapThrough), [`VanDerPol`](crate::VanDerPol), [`TabulatedForce`](crate::TabulatedForce)) or your own [`ForceLaw`](crate::ForceLaw) |
-//! | an elastic stop | a [`Backlash`](crate::Backlash) with its stiffness, on one side or both; rigid impacts are not available |
+//! | a stop, impacts, a loose gear with damping | [`Stop`], with spring and damper; for a rigid stop see [its page](Stop#rigid-stops) |
 //! | a stiffness that varies in time: gear mesh, Mathieu's equation | [`ForceElement::with_factor`] |
 //! | a controller | linear: [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping), with unsymmetric matrices; other: a [`ForceField`](crate::ForceField) of what it measures |
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive); a chirp, a shock or a window: [`Drive::function`](crate::Drive::function) |
@@ -149,6 +150,7 @@ mod stability_changes;
 mod steady;
 mod steady_at;
 mod step;
+mod stop;
 mod system;
 
 pub use carried::Carried;
@@ -161,6 +163,7 @@ pub use stability_changes::StabilityChange;
 pub use steady::SteadySliding;
 pub use step::Step;
 pub(crate) use step::Trigger;
+pub use stop::Stop;
 pub use system::Structure;
 
 pub use crate::error::{Element, NotSliding};

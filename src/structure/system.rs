@@ -9,6 +9,7 @@ use super::matrices::{
     MAX_CONTACTS, MAX_COORDINATES, add, add_between, add_matrix, check_contacts, check_count,
     check_definite, check_masses, make_symmetric,
 };
+use super::stop::Stop;
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
@@ -18,10 +19,11 @@ use crate::friction::memory::ContactLaw;
 /// with friction contacts between masses or on moving surfaces.
 ///
 /// ```text
-/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c,   v = q'
+/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c + Σ_k d_k F_k,   v = q'
 /// contacts:  r_c = b_c·v − w_c(t),   N_c = N0_c(t) + Σ_j n_cj q_j
 ///            slip:  λ_c = N_c μ_c(r_c)     stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
 /// elements:  F_e = F_e(x_e, y_e),   x_ei = a_ei·q,   y_ei = a_ei·v
+/// stops:     F_k = F_k(δ_k, δ_k'),   δ_k = −(g_k + d_k·q)
 /// ```
 ///
 /// The n coordinates q_i are displacements, angles or modal coordinates. M, C and K are the mass,
@@ -43,14 +45,17 @@ use crate::friction::memory::ContactLaw;
 /// the law F_e, a nonlinear function of these, and the factor D_e, 1 unless set. Elements are
 /// numbered from 0 in the order in which they are added.
 ///
+/// [`Stop`] k has the direction d_k and the gap g_k at q = 0. Its force F_k is that of a spring and
+/// a damper while the depth δ_k is positive.
+///
 /// # What is not covered
 ///
 /// * **Inertia that depends on displacements:** M is constant. A pendulum is covered if its pivot
 ///   is at rest, a double pendulum or a linkage is not.
 /// * **Delays:** all forces depend on the present state, so regenerative chatter is not covered.
 /// * **Friction in a plane:** each contact slides along its own fixed direction.
-/// * **Rigid impacts:** velocities never jump. A stop is elastic, a
-///   [`Backlash`](crate::Backlash) of its stiffness.
+/// * **Rigid impacts:** velocities never jump. A [`Stop`] has a stiffness: its page says what to
+///   take for a [rigid stop](Stop#rigid-stops).
 /// * **Forces that jump** with the displacement. A force that jumps with the sign of a velocity is
 ///   friction.
 ///
@@ -162,6 +167,7 @@ pub struct Structure {
     forces: Vec<Drive>,
     contacts: Vec<Contact>,
     elements: Vec<ForceElement>,
+    stops: Vec<Stop>,
 }
 
 impl Structure {
@@ -192,6 +198,7 @@ impl Structure {
             forces: vec![Drive::constant(0.0); n],
             contacts: Vec::new(),
             elements: Vec::new(),
+            stops: Vec::new(),
         })
     }
 
@@ -396,6 +403,35 @@ impl Structure {
         Ok(self)
     }
 
+    /// Adds a stop with spring and damper. Stops are numbered from 0, in the order in which they
+    /// are added.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::RigidStop`] if the stop has no contact stiffness; [`Error::NoSuchCoordinate`] if
+    /// its direction names a coordinate that does not exist.
+    ///
+    /// ```
+    /// use stick_slip::{Drive, Stop, Structure, structure::State};
+    ///
+    /// // A force throws a mass to and fro between two stops.
+    /// let stop = |stop: Stop| stop.with_contact_stiffness(200.0, 4.0);
+    /// let mass = Structure::new(&[1.0])?
+    ///     .with_force(0, Drive::sine(3.0, 2.0)?)?
+    ///     .with_stop(stop(Stop::above(0, 0.5, 0.0)?)?)?
+    ///     .with_stop(stop(Stop::below(0, -0.5, 0.0)?)?)?;
+    /// let motion = mass.simulate(State::at_rest(1), 20.0)?;
+    /// let depth = |q: f64| q.abs() - 0.5;
+    /// let depths = motion.steps().iter().map(|step| depth(step.state().displacements[0]));
+    /// assert!(motion.events().len() > 10 && depths.fold(0.0, f64::max) < 0.2);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_stop(mut self, stop: Stop) -> Result<Self, Error> {
+        stop.check(self.stops.len(), self.len())?;
+        self.stops.push(stop);
+        Ok(self)
+    }
+
     /// Number of coordinates, at least 1.
     #[allow(clippy::len_without_is_empty)] // it never is
     pub fn len(&self) -> usize {
@@ -444,6 +480,11 @@ impl Structure {
         &self.elements
     }
 
+    /// The stops, by their numbers.
+    pub fn stops(&self) -> &[Stop] {
+        &self.stops
+    }
+
     /// The least common period of all drives: forces, loads and belt velocities. `None` if all are
     /// constant or have no common period; see [`Drive::period`].
     ///
@@ -476,12 +517,14 @@ impl Structure {
             Some(mass) => Mass::Full(mass),
             None => Mass::Diagonal(&self.masses),
         };
+        let elements = self.elements.iter().map(ForceElement::data);
+        let stops = self.stops.iter().map(Stop::data);
         Model::new(
             mass,
             [&self.stiffness, &self.damping],
             Cow::Borrowed(&self.forces),
             self.contacts.iter().map(Contact::data).collect(),
-            self.elements.iter().map(ForceElement::data).collect(),
+            elements.chain(stops).collect(),
         )
     }
 }
@@ -514,6 +557,7 @@ where
             forces: vec![Drive::constant(0.0)],
             contacts: vec![contact],
             elements: Vec::new(),
+            stops: Vec::new(),
         }
     }
 }

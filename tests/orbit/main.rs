@@ -33,5 +33,6 @@ mod references;
 mod seam;
 mod sensitivities;
 mod standing;
+mod stops;
 mod switching;
 mod translations;

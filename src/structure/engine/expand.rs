@@ -6,7 +6,7 @@ use super::alone::{expand_alone, slips_alone};
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
-use super::elements::force_fault;
+use super::elements::{force_fault, watch};
 use super::fault::LawFault;
 use super::groups::Waves;
 use super::model::{Model, Target};
@@ -14,6 +14,7 @@ use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
+use crate::force::stop::CLOSED;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// The series of every drive that varies, from the time of the clock on.
@@ -56,7 +57,9 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
         }
     }
     for (given, &j) in std::iter::zip(&mut series.given, &model.sprung) {
-        *given = series.coordinates[j].force;
+        if model.is_driven[j] {
+            *given = series.coordinates[j].force;
+        }
     }
 }
 
@@ -92,10 +95,14 @@ pub(super) fn expand(
                 of.load = PowerSeries::ZERO;
             }
         }
+        for of in series.elements.iter_mut() {
+            let motion = of.positions.iter_mut().chain(&mut of.velocities);
+            motion.for_each(|series| *series = PowerSeries::ZERO);
+        }
     }
     start(model, situation, series);
     all_orders(model, situation, series, 0..orders);
-    law_fault(situation, series).map_or(Ok(()), Err)
+    law_fault(model, situation, series).map_or(Ok(()), Err)
 }
 
 /// Computes the remaining orders, after [`expand`] has computed the first.
@@ -110,8 +117,8 @@ pub(super) fn expand_further(
 
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
-    let are_apart =
-        model.shared.is_empty() && model.springs.is_empty() && model.elements.is_empty();
+    let is_pushed = series.is_pushed();
+    let are_apart = model.shared.is_empty() && model.springs.is_empty() && !is_pushed;
     if are_apart
         && orders.end == ALL
         && let Some([i, c]) = slips_alone(model, series)
@@ -121,6 +128,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             all_of(model, series, 0, i + 1..n);
         }
         if expand_alone(model, series, [i, c]) {
+            watch(model, series, orders);
             return;
         }
         if orders.start == 0 {
@@ -138,6 +146,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     };
     let are_grouped = orders.end == ALL
         && series.groups.is_some()
+        && !is_pushed
         && !is_delicate
         && series.contacts.iter().enumerate().all(is_grouped);
     if are_grouped {
@@ -148,6 +157,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             }
         }
         expand_groups(model, series);
+        watch(model, series, orders);
         return;
     }
     if are_apart {
@@ -157,6 +167,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
                 all_of(model, series, k, waves.places(start, k - orders.start));
             }
         }
+        watch(model, series, orders);
     } else {
         for k in orders {
             if k > 0 {
@@ -260,7 +271,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
 /// Number of masses of a long chain in a group.
 const AT_A_TIME: usize = 16;
 
-fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
+fn law_fault(model: &Model<'_>, situation: &Situation, series: &Series) -> Option<LawFault> {
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
     let of_friction = contacts.into_iter().find_map(|(state, series)| {
         // The law gives the memory after an event.
@@ -280,7 +291,7 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
             None
         }
     });
-    of_friction.or_else(|| force_fault(series))
+    of_friction.or_else(|| force_fault(model, series))
 }
 
 /// Order 0 of the unknowns, and the mode of every contact.
@@ -323,6 +334,16 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     for (of, state) in std::iter::zip(&mut series.elements, &situation.elements) {
         of.piece = state.piece;
     }
+    let stops = &mut series.elements[model.force_elements()..];
+    let has_stops = !stops.is_empty();
+    for of in stops {
+        of.acts = of.piece == CLOSED;
+    }
+    if has_stops && !series.is_pushed() {
+        for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
+            series.coordinates[j].force = *given;
+        }
+    }
     for &c in &model.springs {
         series.contacts[c].guided = None;
     }
@@ -342,12 +363,23 @@ fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> 
         return Role::Other;
     };
     let of = &series.contacts[c];
-    let is_simple = of.memories.is_empty() && !of.load_varies && !model.is_driven[i];
+    let is_pushed = model.is_driven[i] || is_pushed(model, situation, i);
+    let is_simple = of.memories.is_empty() && !of.load_varies && !is_pushed;
     match situation.contacts[c].phase {
         Phase::Stick { .. } if is_simple => Role::Held(c),
         Phase::Slip { .. } if is_simple => Role::Slips(c),
         _ => Role::Other,
     }
+}
+
+/// Returns true if a closed stop pushes a coordinate.
+fn is_pushed(model: &Model<'_>, situation: &Situation, i: usize) -> bool {
+    let elements = std::iter::zip(&model.elements, &situation.elements);
+    let mut stops = elements.skip(model.force_elements());
+    stops.any(|(element, state)| {
+        let response = &element.responses[0];
+        state.piece == CLOSED && response.binary_search_by_key(&i, |&(j, _)| j).is_ok()
+    })
 }
 
 /// Order k + 1 of the velocities of some coordinates, without the forces of shared contacts.
@@ -383,11 +415,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
         ..
     } = series;
     let is_driven = model.is_driven[i];
-    let given = if is_driven || k == 0 {
-        coordinates[i].force[k]
-    } else {
-        0.0
-    };
+    let given = coordinates[i].force[k];
     let velocity = match model.owner[i] {
         None => {
             rates[i] = rate + given;

@@ -39,6 +39,7 @@ pub(crate) struct Model<'s> {
     pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
+    /// Force elements, then stops.
     pub(crate) elements: Vec<ElementData<'s>>,
     /// Number of memory variables of all contacts.
     remembered: usize,
@@ -55,7 +56,8 @@ pub(crate) struct Model<'s> {
     pub(super) sprung: Vec<usize>,
     /// The targets of the drives that vary.
     pub(super) varying: Vec<Target>,
-    /// True if the force on a coordinate varies, or the surface under its own contact.
+    /// True if the force on a coordinate varies, except by stops, or the surface under its own
+    /// contact.
     pub(super) is_driven: Vec<bool>,
     /// Largest |i − j| of two coordinates that act on each other.
     pub(super) bandwidth: usize,
@@ -237,12 +239,18 @@ impl<'s> Model<'s> {
             pulled.iter().chain(&contact.reaction).map(|&(j, _)| j)
         };
         self.sprung = self.springs.iter().flat_map(of).collect();
+        for &j in &self.sprung {
+            self.is_driven[j] = true;
+        }
         for element in &mut self.elements {
             let directions = element.directions.iter();
             let responses = directions.map(|a| responses_to(&self.inverse_mass, a));
             element.responses = responses.collect();
-            let pulled = element.responses.iter().flatten();
-            self.sprung.extend(pulled.map(|&(j, _)| j));
+            for &(j, _) in element.responses.iter().flatten() {
+                self.sprung.push(j);
+                // A stop acts only while it is closed.
+                self.is_driven[j] |= element.stop.is_none();
+            }
         }
         self.sprung.sort_unstable();
         self.sprung.dedup();
@@ -351,9 +359,6 @@ impl<'s> Model<'s> {
                 Target::Load(_) | Target::Factor(_) => {}
             }
         }
-        for &j in &self.sprung {
-            self.is_driven[j] = true;
-        }
     }
 
     fn largest_distance(&self) -> usize {
@@ -373,6 +378,17 @@ impl<'s> Model<'s> {
     /// Number of coordinates.
     pub(crate) fn len(&self) -> usize {
         self.owner.len()
+    }
+
+    /// Number of force elements; the other elements are stops.
+    pub(crate) fn force_elements(&self) -> usize {
+        self.elements
+            .partition_point(|element| element.stop.is_none())
+    }
+
+    /// Number of stops.
+    pub(crate) fn stops(&self) -> usize {
+        self.elements.len() - self.force_elements()
     }
 
     /// Number of memory variables of all contacts.

@@ -19,6 +19,8 @@ use crate::state::Direction;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
     pub(crate) modes: Box<[Mode]>,
+    /// The piece of the law of each stop.
+    pub(crate) stops: Box<[usize]>,
     /// Coordinates with their own contact, which sticks to a surface of varying velocity.
     carried: Vec<(usize, Arc<Drive>)>,
     /// Other velocities that follow from contacts in stick, in this order.
@@ -51,8 +53,10 @@ impl Modes {
     /// The modes of a situation.
     pub(super) fn of(model: &Model<'_>, situation: &Situation) -> Self {
         let modes = situation.contacts.iter().map(ContactState::mode);
+        let stops = situation.elements[model.force_elements()..].iter();
         let mut all = Self {
             modes: modes.collect(),
+            stops: stops.map(|stop| stop.piece).collect(),
             ..Self::default()
         };
         for (c, contact) in model.contacts.iter().enumerate() {

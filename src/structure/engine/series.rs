@@ -26,7 +26,8 @@ pub(super) struct Series {
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
     /// Present if all loads are constant, no contact has a normal spring, so that none opens, and
-    /// there are no force elements.
+    /// there are no force elements. A stop that
+    /// is closed acts on no group.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -40,8 +41,9 @@ impl Series {
             .contacts
             .iter()
             .any(|contact| !contact.reaction.is_empty());
-        let is_simple =
-            !has_springs && model.elements.is_empty() && contacts.iter().all(|of| !of.load_varies);
+        let is_simple = !has_springs
+            && model.force_elements() == 0
+            && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(PowerSeries::of(force))
@@ -64,6 +66,11 @@ impl Series {
             groups: is_simple.then(|| Groups::new(model)),
             expander: Expander::new(),
         }
+    }
+
+    /// Returns true if an element acts: a force element, or a stop that is closed.
+    pub(super) fn is_pushed(&self) -> bool {
+        self.elements.iter().any(|of| of.acts)
     }
 
     /// The velocity of coordinate i over the step.

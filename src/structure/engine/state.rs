@@ -152,10 +152,10 @@ impl Situation {
                 memory,
             }
         });
-        let elements = model.elements.iter().map(|element| {
-            let positions = element.along(|j| start.displacements[j]);
-            ElementState::at(element, positions[0])
-        });
+        let elements = model
+            .elements
+            .iter()
+            .map(|element| ElementState::at(element, &start.displacements, &start.velocities));
         Self {
             clock,
             coordinates: coordinates.collect(),
@@ -237,10 +237,17 @@ impl Situation {
         }
     }
 
-    /// Returns true if these are the modes of all contacts.
-    pub(super) fn is_in(&self, modes: &[Mode]) -> bool {
+    /// Returns true if these are the modes of all contacts, and the pieces of all stops.
+    pub(super) fn is_in(&self, modes: &[Mode], stops: &[usize]) -> bool {
         let mut modes = std::iter::zip(&self.contacts, modes);
+        let mut pieces = std::iter::zip(self.stops(stops.len()), stops);
         modes.all(|(contact, mode)| contact.mode() == *mode)
+            && pieces.all(|(stop, piece)| stop.piece == *piece)
+    }
+
+    /// The stops, which are so many.
+    pub(super) fn stops(&self, count: usize) -> &[ElementState] {
+        &self.elements[self.elements.len() - count..]
     }
 
     /// The error if the modes of contacts cannot be decided.
