@@ -30,6 +30,24 @@ pub(crate) fn least_norm_by_rows(
     solution.iter().all(|x| x.is_finite()).then_some(solution)
 }
 
+/// The number of singular values below a part of the largest, of a matrix with its rows in units of
+/// their sizes.
+pub(crate) fn nullity(mut matrix: DMatrix<f64>, singular: f64) -> usize {
+    for mut row in matrix.row_iter_mut() {
+        let size = row.amax();
+        if size > 0.0 {
+            row /= size;
+        }
+    }
+    let sweeps = 1000 * matrix.nrows();
+    let values = SVD::try_new(matrix, false, false, f64::EPSILON, sweeps);
+    values.map_or(0, |svd| {
+        let least = singular * svd.singular_values.max();
+        let values = svd.singular_values.iter();
+        values.filter(|value| **value <= least).count()
+    })
+}
+
 fn decomposed(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     if !matrix.iter().chain(right).all(|x| x.is_finite()) {
         return None;

@@ -171,8 +171,7 @@ impl LocalCurve<'_, '_> {
         }
         let reach = (2.0 * (high.distance - low.distance)).max(BEYOND * apart);
         let goes_on = |from: &CurvePoint, reach: f64| {
-            let slope = self.curve.measured(&self.base.tangent);
-            let along = reach / slope.dot(&from.solved.tangent);
+            let along = reach / self.base.tangent.dot(&from.solved.tangent);
             let guess = &from.solved.y + from.solved.tangent.component_mul(self.scale) * along;
             let beyond = self.at(from.distance + reach, &guess, &from.solved);
             beyond.is_ok_and(|beyond| {

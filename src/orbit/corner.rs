@@ -33,7 +33,6 @@ const STEEP: f64 = 64.0;
 
 impl LocalCurve<'_, '_> {
     /// A motion on the other piece of the curve, which begins at the last motion, and the corner.
-    /// An event that passes the start makes a corner of the curve, but is no bifurcation.
     pub(super) fn corner(&self) -> Option<(CurvePoint, Option<FoundBifurcation>)> {
         let here = CurvePoint {
             distance: 0.0,
@@ -83,7 +82,7 @@ impl LocalCurve<'_, '_> {
         for (i, change) in sides {
             let mut guess = self.base.y.clone();
             guess[i] += change;
-            let Ok(trial) = self.curve.trial(&guess, &self.base.modes) else {
+            let Ok(trial) = self.curve.trial(&guess, &self.base.begin) else {
                 continue;
             };
             let sequence = Sequence::of(&trial.map, trial.period);
@@ -113,12 +112,11 @@ impl LocalCurve<'_, '_> {
     /// closed.
     fn tangent_at(&self, y: &DVector<f64>, trial: &TrialMotion) -> Option<DVector<f64>> {
         let curve = self.curve;
-        let slope = curve.by_parameter(y, trial, &self.base.modes);
-        let (matrix, _) = curve.linearised(y, trial, &slope, self.scale);
+        let begin = &self.base.begin;
+        let slope = curve.by_parameter(y, trial, begin);
+        let (matrix, _) = curve.linearised(y, (trial, begin), &slope, self.scale);
         let svd = matrix.try_svd(false, true, f64::EPSILON, 1000 * curve.unknowns())?;
-        let tangent = svd.v_t?.row(svd.singular_values.argmin().0).transpose();
-        let is_known = curve.measured(&tangent).norm() > 0.0;
-        is_known.then(|| curve.unit(&tangent))
+        Some(svd.v_t?.row(svd.singular_values.argmin().0).transpose())
     }
 
     /// The motion on the plane across a direction, at a distance from a point.
@@ -217,13 +215,11 @@ impl LocalCurve<'_, '_> {
 
     /// The ways along the tangents at two points to where they meet, or come nearest to each other.
     fn meeting(&self, points: &[Solved; 2]) -> [f64; 2] {
-        let [own, other] = points
-            .each_ref()
-            .map(|point| self.curve.measured(&point.tangent));
+        let [own, other] = points.each_ref().map(|point| &point.tangent);
         let apart = self.scaled(&points[1]) - self.scaled(&points[0]);
-        let cosine = own.dot(&other);
-        let way = (apart.dot(&own) - cosine * apart.dot(&other)) / (1.0 - cosine * cosine);
-        [way, cosine * way - apart.dot(&other)]
+        let cosine = own.dot(other);
+        let way = (apart.dot(own) - cosine * apart.dot(other)) / (1.0 - cosine * cosine);
+        [way, cosine * way - apart.dot(other)]
     }
 
     /// The motion on the piece of another point, a way along its tangent.

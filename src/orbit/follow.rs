@@ -6,11 +6,11 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, Solved, sharpest};
+use super::curve::{Curve, Solved};
 use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::trial::TrialMotion;
+use super::phase_condition::FrozenStart;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::motion::sealed::State as _;
@@ -34,8 +34,10 @@ use crate::state::structure::State;
 /// x(T; x(0), p) − x(0) = 0.
 /// ```
 ///
-/// An autonomous motion also satisfies a phase condition: it starts at a turning point of one
-/// coordinate. The curve of solutions is followed by pseudo-arclength continuation: a step along
+/// The start x(0) lies away from the events of the motion. A forced motion therefore starts at
+/// another time of its period if an event comes near. An autonomous motion also satisfies a phase
+/// condition: it starts at a turning point of one coordinate, or on a plane across the motion if
+/// all turning points are near events. The curve of solutions is followed by pseudo-arclength continuation: a step along
 /// the tangent, then Newton's method on a plane across the tangent. Newton's method uses the exact
 /// derivative of the period map. The order of stick and slip is not prescribed. If the events of
 /// two neighbouring motions differ, bisection locates the change of events, to adjacent
@@ -152,9 +154,7 @@ impl Search<'_> {
             range,
             n: 0,
             order: 0,
-            weights: DVector::zeros(0),
             mobilities: Vec::new(),
-            turning: None,
             tried: Cell::new(0),
             steps: Cell::new(0),
             most: self.of_branch(),
@@ -170,20 +170,20 @@ fn branch<S: Oscillator>(
     range: Range<f64>,
     found: Results,
 ) -> Result<Branch<S::State>, Error> {
-    let orbit = |parameter: f64, trial: TrialMotion| -> Result<Orbit<S::State>, Error> {
+    let orbit = |parameter: f64, solved: Solved| -> Result<Orbit<S::State>, Error> {
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
-        Orbit::new(&system, &system.form(), trial, kind)
+        Orbit::new(&system, &system.form(), solved.trial, kind)
     };
-    let points = found.points.into_iter().map(|(parameter, trial)| {
-        let orbit = orbit(parameter, trial)?;
+    let points = found.points.into_iter().map(|(parameter, solved)| {
+        let orbit = orbit(parameter, solved)?;
         Ok(BranchPoint { parameter, orbit })
     });
     let points = points.collect::<Result<_, Error>>()?;
     let bifurcations = found
         .changes
         .into_iter()
-        .map(|(behind, kind, (parameter, trial))| {
-            let orbit = orbit(parameter, trial)?;
+        .map(|(behind, kind, (parameter, solved))| {
+            let orbit = orbit(parameter, solved)?;
             Ok(Bifurcation {
                 parameter,
                 kind,
@@ -201,9 +201,9 @@ fn branch<S: Oscillator>(
 
 /// The results with their parameters.
 struct Results {
-    points: Vec<(f64, TrialMotion)>,
+    points: Vec<(f64, Solved)>,
     /// Each with the number of the last point before it.
-    changes: Vec<(usize, BifurcationKind, (f64, TrialMotion))>,
+    changes: Vec<(usize, BifurcationKind, (f64, Solved))>,
     ends: [BranchEnd; 2],
 }
 
@@ -211,7 +211,7 @@ struct Results {
 fn search(
     mut curve: Curve<'_>,
     parameter: f64,
-    (mut start, period): (State, f64),
+    (start, period): (State, f64),
 ) -> Result<Results, Error> {
     let Range {
         start: low,
@@ -222,9 +222,9 @@ fn search(
     Error::check(name, "range.end", high, high > low, "start < end")?;
     let inside = (low..=high).contains(&parameter);
     Error::check(name, "parameter", parameter, inside, "inside the range")?;
-    start = anchor(&mut curve, parameter, start, period)?;
-    let (points, changes, ends) = walks(&mut curve, &start, period, parameter)?;
-    let of = |solved: Solved| (curve.parameter(&solved.y), solved.trial);
+    let guess = anchor(&mut curve, parameter, &start, period)?;
+    let (points, changes, ends) = walks(&curve, &guess)?;
+    let of = |solved: Solved| (curve.parameter(&solved.y), solved);
     let changes = changes.into_iter();
     let changes = changes.map(|(behind, kind, solved)| (behind, kind, of(solved)));
     Ok(Results {
@@ -234,44 +234,34 @@ fn search(
     })
 }
 
-/// Sets the sizes and the phase condition of a curve to those of a motion, given by its start and
-/// its period; returns its start there.
+/// Sets the sizes of a curve to those of a motion, given by its start and its period; returns the
+/// motion with a start away from events, as a guess.
 pub(super) fn anchor(
     curve: &mut Curve<'_>,
     parameter: f64,
-    start: State,
+    start: &State,
     period: f64,
-) -> Result<State, Error> {
+) -> Result<Solved, Error> {
     let at = |error: Error| error.at("parameter", parameter);
     let system = (curve.family)(parameter).map_err(at)?;
     let form = system.form();
     (curve.n, curve.order) = (form.len(), form.order());
-    let mut start = start;
-    if let Period::Free(_) = curve.kind {
-        let map = form.period_map(&start, period).map_err(at)?;
-        let turn = sharpest(&map).ok_or(Error::AtRest)?;
-        (curve.turning, start) = (Some(turn.turning), turn.state);
-    }
     curve.weigh(&form);
-    Ok(start)
+    let map = form.period_map(start, period).map_err(at)?;
+    let old = FrozenStart::at_zero();
+    let (start, begin) = FrozenStart::away(&map, period, &old, curve.is_free()).map_err(at)?;
+    curve.guess(&start, (period, parameter), begin)
 }
 
 type Changes = Vec<(usize, BifurcationKind, Solved)>;
 
 type BothDirections = (Vec<Solved>, Changes, [BranchEnd; 2]);
 
-/// Continuation in both directions from a start.
-fn walks(
-    curve: &mut Curve<'_>,
-    start: &State,
-    period: f64,
-    parameter: f64,
-) -> Result<BothDirections, Error> {
-    let first = first(curve, start, period, parameter)?;
+/// Continuation in both directions from a motion near the curve.
+fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<BothDirections, Error> {
+    let first = first(curve, guess)?;
     let first_scale = natural_scale(curve, &first);
-    let turning = curve.turning.clone();
-    let walk = |direction: f64, curve: &mut Curve<'_>| {
-        curve.turning = turning.clone();
+    let walk = |direction: f64| {
         curve.tried.set(0);
         curve.steps.set(0);
         let mut walk = Walk {
@@ -290,11 +280,11 @@ fn walks(
             .collect();
         (walk.points, found, end)
     };
-    let (up, found_up, end_up) = walk(1.0, curve);
+    let (up, found_up, end_up) = walk(1.0);
     let (mut points, mut found, end_down) = if end_up == BranchEnd::Closed {
         (Vec::new(), Vec::new(), BranchEnd::Closed)
     } else {
-        walk(-1.0, curve)
+        walk(-1.0)
     };
     points.reverse();
     found.reverse();
@@ -310,17 +300,17 @@ fn walks(
 }
 
 /// The first point, with the tangent there, towards larger parameters.
-fn first(curve: &Curve<'_>, start: &State, period: f64, parameter: f64) -> Result<Solved, Error> {
-    let guess = curve.guess(start, period, parameter)?;
+fn first(curve: &Curve<'_>, guess: &Solved) -> Result<Solved, Error> {
+    let parameter = curve.parameter(&guess.y);
     if !guess.trial.map.is_nearly_closed() {
         return Err(curve.lost(&guess.y, &guess.trial));
     }
-    let scale = natural_scale(curve, &guess);
+    let scale = natural_scale(curve, guess);
     let last = curve.unknowns() - 1;
     // Along the parameter, but at a fold along the others.
     let along = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.001 });
     let plane = Plane::with_value(last, parameter, &along, &scale);
-    let mut first = curve.solve(&guess.y, &guess, &plane)?;
+    let mut first = curve.solve(&guess.y, guess, &plane)?;
     first.y[last] = parameter;
     if first.tangent[last] < 0.0 {
         first.tangent.neg_mut();

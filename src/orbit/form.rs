@@ -168,23 +168,6 @@ impl<'s> GeneralForm<'s> {
         units.collect()
     }
 
-    /// True for each memory variable that its law resets when the contact sticks or slips.
-    pub(super) fn are_reset(&self) -> Vec<bool> {
-        let reset = self.model.contacts.iter().flat_map(|contact| {
-            let count = contact.memory.len();
-            let mut reset = vec![false; count];
-            for probe in [0.0, 1.0].into_iter().filter(|_| !contact.is_elastic()) {
-                let mut memory = vec![probe; count];
-                contact.law.caught(&mut memory);
-                for (reset, value) in reset.iter_mut().zip(memory) {
-                    *reset |= value != probe;
-                }
-            }
-            reset
-        });
-        reset.collect()
-    }
-
     /// Number of contacts.
     pub(super) fn contacts(&self) -> usize {
         self.model.contacts.len()

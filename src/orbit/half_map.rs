@@ -52,7 +52,7 @@ impl HalfMap {
     pub(super) fn of_symmetric(map: &PeriodMap, period: f64) -> Option<Self> {
         let (n, sizes) = (map.start.displacements.len(), map.sizes());
         let pairs = (0..PLACES).map(|k| {
-            let time = 0.5 * period * (k as f64 + 0.37) / PLACES as f64;
+            let time = map.begins() + 0.5 * period * (k as f64 + 0.37) / PLACES as f64;
             Some([map.vector_at(time)?, map.vector_at(time + 0.5 * period)?])
         });
         let pairs: Vec<[DVector<f64>; 2]> = pairs.collect::<Option<_>>()?;

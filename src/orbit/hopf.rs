@@ -10,9 +10,10 @@ use num_complex::Complex;
 use super::branch::BranchPoint;
 use super::curve::Curve;
 use super::form::GeneralForm;
-use super::map::{state, vector};
+use super::map::vector;
 use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
+use super::phase_condition::{FrozenStart, PhaseCondition};
 use super::spectrum::{ROUNDING, hopf_point, spectrum};
 use super::translation::Turning;
 use super::trial::TrialMotion;
@@ -392,10 +393,15 @@ impl Born {
         parameter: f64,
     ) -> Result<(f64, TrialMotion), Error> {
         (curve.n, curve.order) = (self.steady.displacements.len(), self.way.len());
-        curve.turning = Some(Turning::of(self.turning));
         curve.weigh(form);
         let (order, last) = (curve.order, curve.unknowns() - 1);
         let steady = vector(&self.steady, order);
+        let unit = DVector::from_element(order, 1.0);
+        let turning = Turning::of(self.turning);
+        let begin = FrozenStart {
+            condition: Some(PhaseCondition::of_turning(turning, 1.0, &unit, curve.n)),
+            ..FrozenStart::at_zero()
+        };
         let mut failure = Error::NoHopfPoint.at("parameter", parameter);
         for amplitude in AMPLITUDES {
             let away = (amplitude * self.reach).min(self.most);
@@ -403,9 +409,10 @@ impl Born {
                 break;
             }
             let start = &steady + &self.way * away;
-            let start = state(&start, curve.n);
             let solve = || {
-                let near = curve.guess(&start, TAU / self.frequency, parameter)?;
+                let guess = (TAU / self.frequency, parameter);
+                let mut near = curve.guess(&start, guess, begin.clone())?;
+                near.begin.modes = near.trial.map.end_modes().to_vec();
                 let scale = natural_scale(&curve, &near);
                 let mut normal = DVector::zeros(last + 1);
                 let mut along = normal.clone();

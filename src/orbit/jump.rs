@@ -7,6 +7,7 @@ use super::local_curve::LocalCurve;
 use super::map::PeriodMap;
 use super::unslipped::slips_one_way;
 use crate::motion::{EventKind, Segment};
+use crate::numerics::sort::sort_by;
 
 /// Distances beyond the last motion at which the border is searched, in units of a least one.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
@@ -19,9 +20,6 @@ const SAME: f64 = 1e-6;
 
 /// Or, if the jump is large, this part of it.
 const BEFORE: f64 = 0.01;
-
-/// Part of the period within which an event counts as one at its start.
-const NEAR: f64 = 1e-6;
 
 /// A jump above this, in units of the sizes, ends the branch; after a smaller one it may continue.
 pub(super) const LARGE: f64 = 1e-3;
@@ -38,11 +36,7 @@ pub(super) struct Discontinuity {
     pub(super) end: BranchEnd,
 }
 
-/// The events of one period are compared first. A motion that magnifies perturbations much shifts
-/// its later events far before the border, and only an event near the start needs a second period.
-const PERIODS: [f64; 2] = [1.0, 2.0];
-
-/// A motion over three periods, and the events of the first, or of the first two.
+/// A motion over two periods, and the events of the first: time, contact and kind.
 #[derive(Clone)]
 struct Side {
     parameter: f64,
@@ -55,18 +49,15 @@ impl LocalCurve<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
     /// of these least distances; with its distance, and its size in units of the sizes.
     pub(super) fn discontinuity(&self, least: f64) -> Option<Discontinuity> {
-        let mut found = PERIODS.into_iter();
-        let found = found.find_map(|periods| self.discontinuity_within(periods, least));
-        found.or_else(|| self.already_slips())
+        self.jump(least).or_else(|| self.already_slips())
     }
 
-    /// The same, from the events of some periods.
-    fn discontinuity_within(&self, periods: f64, least: f64) -> Option<Discontinuity> {
-        let mut low = (0.0, self.side(0.0, periods)?);
+    fn jump(&self, least: f64) -> Option<Discontinuity> {
+        let mut low = (0.0, self.side(0.0)?);
         for away in AWAY {
-            let high = (away * least, self.side(away * least, periods)?);
+            let high = (away * least, self.side(away * least)?);
             if !high.1.is_like(&low.1, ALIKE) {
-                let (below, above) = self.border(low, high.clone(), periods)?;
+                let (below, above) = self.border(low, high.clone())?;
                 let unslipped = self.base.trial.map.unslipped();
                 let jump = below.1.jump_to(&above);
                 if let Some((size, end)) = jump.or_else(|| below.1.one_way_slip(&above, &unslipped))
@@ -102,13 +93,12 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The motion from a start on the tangent, at a distance from the last point.
-    fn side(&self, distance: f64, periods: f64) -> Option<Side> {
+    fn side(&self, distance: f64) -> Option<Side> {
         let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
-        let modes = self.base.trial.map.end_modes();
-        let (map, period) = self.curve.motion(&y, modes, 3.0).ok()?;
-        let inside = NEAR * period..(periods + NEAR) * period;
+        let (map, period) = self.curve.motion(&y, &self.base.begin, 2.0).ok()?;
+        let first = map.begins()..map.begins() + period;
         let events = map.events().map(|(event, _)| event);
-        let events = events.filter(|event| inside.contains(&event.time));
+        let events = events.filter(|event| first.contains(&event.time));
         let events = events.map(|event| (event.time, event.contact, event.kind));
         Some(Side {
             parameter: self.curve.parameter(&y),
@@ -119,18 +109,13 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The two sides of the change of the event sequence; the first with its distance.
-    fn border(
-        &self,
-        mut low: (f64, Side),
-        mut high: (f64, Side),
-        periods: f64,
-    ) -> Option<((f64, Side), Side)> {
+    fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<((f64, Side), Side)> {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (low.0 + high.0);
             if middle <= low.0 || middle >= high.0 {
                 break;
             }
-            let side = self.side(middle, periods)?;
+            let side = self.side(middle)?;
             if side.is_like(&low.1, ALIKE) {
                 low = (middle, side);
             } else {
@@ -157,12 +142,21 @@ impl Side {
         counts == [self.alike(other, part); 2]
     }
 
-    /// The events of one period that begins at a time.
-    fn kinds_from(&self, begin: f64) -> Vec<(usize, EventKind)> {
-        let inside = begin + NEAR * self.period..begin + (1.0 + NEAR) * self.period;
-        let events = self.events.iter();
-        let events = events.filter(|event| inside.contains(&event.0));
-        events.map(|&(_, contact, kind)| (contact, kind)).collect()
+    /// The time of an event since time 0 of the drives.
+    fn since_zero(&self, time: f64) -> f64 {
+        if time > self.period {
+            time - self.period
+        } else {
+            time
+        }
+    }
+
+    /// The events of one period from time 0 of the drives on.
+    fn kinds(&self) -> Vec<(usize, EventKind)> {
+        let mut events = self.events.clone();
+        sort_by(&mut events, |event| self.since_zero(event.0));
+        let events = events.into_iter();
+        events.map(|(_, contact, kind)| (contact, kind)).collect()
     }
 
     /// The distance of another motion at a time, in units of the sizes.
@@ -189,17 +183,12 @@ impl Side {
         if jump <= JUMP || self.apart(beyond, time)? > same {
             return None;
         }
-        let begin = if time > (1.0 + NEAR) * self.period {
-            self.period
-        } else {
-            0.0
-        };
         let end = BranchEnd::Discontinuity {
             parameter: self.parameter,
-            time: time - begin,
+            time: self.since_zero(time),
             contact,
-            events: self.kinds_from(begin),
-            beyond: beyond.kinds_from(begin),
+            events: self.kinds(),
+            beyond: beyond.kinds(),
         };
         Some((jump, end))
     }

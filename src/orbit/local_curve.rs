@@ -40,8 +40,7 @@ impl LocalCurve<'_, '_> {
         along: &'a DVector<f64>,
         distance: f64,
     ) -> Plane<'a> {
-        let normal = self.curve.measured(along);
-        Plane::beyond(&from.y, distance, normal, along, self.scale)
+        Plane::beyond(&from.y, distance, along.clone(), along, self.scale)
     }
 
     /// The point at which the parameter has a value.
@@ -65,7 +64,7 @@ impl LocalCurve<'_, '_> {
     }
 
     pub(super) fn scaled(&self, solved: &Solved) -> DVector<f64> {
-        self.curve.scaled(&solved.y, self.scale)
+        solved.y.component_div(self.scale)
     }
 
     /// The distance between two points, in units of the scales.

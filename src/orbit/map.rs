@@ -127,10 +127,15 @@ impl PeriodMap {
         idle.filter_map(move |(j, depends)| (!depends).then_some(first + j))
     }
 
+    /// The time of the start.
+    pub(super) fn begins(&self) -> f64 {
+        self.steps.first().map_or(0.0, Segment::start_time)
+    }
+
     /// The times of events and touches, in order.
     pub(super) fn times(&self) -> Vec<f64> {
         let events = self.steps.iter().flat_map(Segment::events);
-        let begins = self.steps.first().map_or(0.0, Segment::start_time);
+        let begins = self.begins();
         let touches = self.touches.iter();
         let touches = touches.map(|touch| begins + touch.hold.since);
         let mut times: Vec<f64> = events.map(|event| event.time).chain(touches).collect();
@@ -183,8 +188,7 @@ impl PeriodMap {
     fn still(&self, state: &State, time: f64) -> DVector<f64> {
         let mut state = vector(state, self.order());
         if !self.translations.is_empty() {
-            let begins = self.steps.first().map_or(0.0, Segment::start_time);
-            let part = (time - begins) / self.duration();
+            let part = (time - self.begins()) / self.duration();
             let mut displacements = state.rows_mut(0, self.translation.len());
             displacements.axpy(-part, &self.translation, 1.0);
         }
@@ -223,6 +227,36 @@ impl PeriodMap {
         let mut moved = end - &start;
         self.untranslated(&mut moved);
         self.end = state(&(start + moved), self.start.displacements.len());
+    }
+
+    /// The closed motion from time 0 of the drives, with the same derivatives: they remain those by
+    /// the start.
+    pub(super) fn since_zero(mut self, period: f64) -> Self {
+        if self.begins() == 0.0 {
+            return self;
+        }
+        let mut before = Vec::new();
+        let mut steps = Vec::new();
+        for step in std::mem::take(&mut self.steps) {
+            let since = step.since_start(period);
+            if since >= step.duration() {
+                before.push(step);
+                continue;
+            }
+            if since > 0.0 {
+                before.push(step.clone().lasting(since));
+            }
+            let later = step.from(since.max(0.0));
+            steps.push(later.earlier(period, self.translation.as_slice()));
+        }
+        steps.extend(before);
+        self.steps = steps;
+        if let [first, .., last] = &self.steps[..] {
+            self.start = first.state().clone();
+            let end = vector(&last.end_state(), self.order());
+            self.end_at(end);
+        }
+        self
     }
 
     /// The modes of the contacts at the start.
@@ -503,6 +537,12 @@ impl PeriodMap {
         matrix
     }
 
+    /// Number of directions in which nothing changes: translations, and velocities that nothing
+    /// depends on.
+    pub(super) fn known_directions(&self) -> usize {
+        self.free_translations() + self.boosts.len()
+    }
+
     /// Number of translations whose multiplier is 0 because the end is put back.
     fn free_translations(&self) -> usize {
         let translations = self.translations.iter();
@@ -718,18 +758,19 @@ pub(super) fn begun_apart(
     const NEAR: f64 = 1e-6;
     let events = map.steps.iter().flat_map(Segment::events);
     let mut times = events.map(|event| event.time);
-    let is_near = |time: f64| time < NEAR * period || time > (1.0 - NEAR) * period;
+    let near = NEAR * period..(1.0 - NEAR) * period;
+    let is_near = |time: f64| !near.contains(&(time - map.begins()));
     if !times.any(is_near) && map.first_modes() == Some(&map.end_modes[..]) {
         return Ok(None);
     }
-    let time = longest_pause(map, 0.0, period);
+    let time = longest_pause(map, map.begins(), map.begins() + period);
     let step = map.steps.iter().find(|step| step.end_time() > time);
     let Some(step) = step else {
         return Ok(None);
     };
     let mut state = step.state_at(step.since_start(time));
     form.put_in_modes(&mut state, time, &|c| Some(step.modes()[c]));
-    let holds = map.holds_later(time, period);
+    let holds = map.holds_later(time - map.begins(), period);
     held_period_map(form, (time, &state), period, &holds).map(Some)
 }
 
@@ -740,6 +781,26 @@ pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
     let gaps = times.map(|time| (std::mem::replace(&mut last, time), time));
     let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     gap.map_or(from, |(from, to)| 0.5 * (from + to))
+}
+
+/// Perturbations of the start of a motion, carried on to a time.
+pub(super) fn carried(
+    form: &GeneralForm<'_>,
+    map: &PeriodMap,
+    tangents: DMatrix<f64>,
+    time: f64,
+) -> Result<DMatrix<f64>, Error> {
+    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
+    let start = (map.begins(), &map.start);
+    let mut flow = TangentFlow::new(form, settings, start, &[], tangents)?;
+    while let Some(step) = flow.fetch(time) {
+        let step = step?;
+        flow.carry(&step)?;
+        if step.end_time() >= time {
+            break;
+        }
+    }
+    Ok(flow.tangents)
 }
 
 /// The directions of sticking contacts that share coordinates, as rows for states.

@@ -30,11 +30,12 @@
 // | `half_map.rs` | symmetric motions: the map over half a period |
 // | `pitchfork.rs` | pitchforks of symmetric motions |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
-// | `hold.rs` | motions with a contact held past a touch, which are smooth there |
+// | `phase_condition.rs` | where motions start: away from events, and the phase condition of autonomous ones |
+// | `hold.rs`, `mark.rs` | motions with a contact held past a touch, which are smooth there; events that are watched |
 // | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
 // | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
-// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`) and their starts (`frozen_start.rs`, set by `start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
+// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `poincare.rs` | `section`, `section_at`: Poincaré sections |
 // | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events, in any order if they happen at one instant (`variation.rs`) |
@@ -215,12 +216,14 @@ mod local_curve;
 mod locus;
 mod lyapunov;
 mod map;
+mod mark;
 mod measures;
 mod multipliers;
 mod oscillator;
 mod passage;
 mod period;
 mod periodic_orbit;
+mod phase_condition;
 mod pitchfork;
 mod poincare;
 mod ranges;

@@ -61,36 +61,15 @@ pub(super) fn held_steps(
     Err(Error::InvalidDuration { value: duration })
 }
 
-/// The end of a motion, and its events: contact and kind.
-type Passage = (State, Vec<(usize, EventKind)>);
+/// The events of a motion: contact and kind.
+pub(super) type Events = Vec<(usize, EventKind)>;
 
-/// Returns true unless an event is so near to the start or the end of a motion that rounding may
-/// decide on which side it lies.
-pub(super) fn is_inside(time: f64, duration: f64) -> bool {
-    /// Part of the duration.
-    const NEAR: f64 = 1e-9;
-    (NEAR * duration..(1.0 - NEAR) * duration).contains(&time)
-}
-
-/// The state after a duration, and the events on the way.
-pub(super) fn passage(
-    form: &GeneralForm<'_>,
-    start: &State,
-    duration: f64,
-) -> Result<Passage, Error> {
-    let mut events = Vec::new();
-    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
-    for step in Flow::new(settings, form.model.clone(), start)? {
-        let step = step?;
-        form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
-        if step.end_time() >= duration {
-            return Ok((step.until(duration).end_state(), events));
-        }
-        let own = step.events().iter();
-        let own = own.filter(|event| is_inside(event.time, duration));
-        events.extend(own.map(|event| (event.contact, event.kind)));
-    }
-    Err(Error::InvalidDuration { value: duration })
+/// The events of a motion after its start.
+pub(super) fn events_of(steps: &[Step]) -> Events {
+    let begins = steps.first().map_or(0.0, Segment::start_time);
+    let events = steps.iter().flat_map(Segment::events);
+    let events = events.filter(|event| event.time > begins);
+    events.map(|event| (event.contact, event.kind)).collect()
 }
 
 /// The modes of the contacts after a step. A contact that closes sticks or slips, which the next

@@ -3,12 +3,13 @@
 
 use std::fmt;
 
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::family::families;
 use super::form::GeneralForm;
 use super::half_map::HalfMap;
-use super::map;
+use super::map::{self, carried};
 use super::measures::{Contact, Coordinate, Measures};
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -64,8 +65,9 @@ impl<S: SystemState> Orbit<S> {
         kind: Period,
     ) -> Result<Self, Error> {
         let properties = Properties::of(form, &found, kind)?;
-        let energy = system.energy_budget(&found.map);
         let TrialMotion { period, map, .. } = found;
+        let map = map.since_zero(period);
+        let energy = system.energy_budget(&map);
         let symmetric = HalfMap::of_symmetric(&map, period);
         let measures = Measures::of(form, (&map.steps, map.translation()), period, energy);
         let events = properties.events.into_iter().map(|event| Event {
@@ -113,8 +115,17 @@ impl Properties {
             period,
             start: map.start.clone(),
         })?;
-        let families = families(form, map, is_free, period);
-        let events = begun.steps.iter().flat_map(Segment::events);
+        let mut families = families(form, map, is_free, period);
+        if map.begins() != 0.0 && !families.is_empty() {
+            let found = carried(form, map, DMatrix::from_columns(&families), period)?;
+            let sizes = map.sizes();
+            let columns = found.column_iter();
+            let scaled = columns.map(|d| d / d.component_div(&sizes).amax());
+            families = scaled.collect();
+        }
+        let (unslipped, known) = (begun.unslipped(), begun.known_families());
+        let steps = begun.clone().since_zero(period).steps;
+        let events = steps.iter().flat_map(Segment::events);
         let events = events.map(|event| Event {
             time: within(event.time, period),
             ..event.clone()
@@ -124,8 +135,8 @@ impl Properties {
         Ok(Self {
             events,
             multipliers,
-            unslipped: begun.unslipped(),
-            neutral: families.len().saturating_sub(begun.known_families()),
+            unslipped,
+            neutral: families.len().saturating_sub(known),
             families: families
                 .iter()
                 .map(|direction| map::state(direction, form.len()))

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::curve::solution;
 use super::half_map::{Balance, HalfMap, inverting};
 use super::local_curve::{CurvePoint, LocalCurve};
-use super::map::{CLOSED, state, vector};
+use super::map::{CLOSED, vector};
 use crate::numerics::bracket::Bracket;
 
 /// Limit of Newton steps; three or four are usual.
@@ -52,10 +52,10 @@ impl LocalCurve<'_, '_> {
             }
         }
         let curve = self.curve;
-        let start = state(&best.y.rows(0, curve.order).into_owned(), curve.n);
-        let solved = curve
-            .guess(&start, best.period, curve.parameter(&best.y))
-            .ok()?;
+        let start = best.y.rows(0, curve.order).into_owned();
+        let motion = (best.period, curve.parameter(&best.y));
+        let solved = curve.guess(&start, motion, from.solved.begin.clone());
+        let solved = solved.ok()?;
         let moved = self.scaled(&solved) - self.scaled(self.base);
         Some(CurvePoint {
             distance: self.base.tangent.dot(&moved),
@@ -72,23 +72,23 @@ impl LocalCurve<'_, '_> {
         near: &CurvePoint,
     ) -> Option<Symmetric> {
         let (curve, mut y) = (self.curve, guess.clone());
-        let (order, modes) = (curve.order, near.solved.trial.map.end_modes());
+        let (order, begin) = (curve.order, &near.solved.begin);
         let own = curve.unknowns() - 1;
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let (half, period) = curve.motion(&y, modes, 0.5).ok()?;
+            let (half, period) = curve.motion(&y, begin, 0.5).ok()?;
             let here = curve.with(&y, |form, period| Ok(Balance::of(form, period)));
             let image = half_map.moved(balance, &here.ok()?)?.applied(half);
             y.rows_mut(0, order).copy_from(&vector(&image.start, order));
             let sizes = image.sizes();
-            let (mut matrix, right) = image.closing(&sizes, own);
-            if let Some(turning) = &curve.turning {
+            let (mut matrix, mut right) = image.closing(&sizes, own);
+            if let Some(condition) = &begin.condition {
                 let late = image.flow[1].component_div(&sizes) * period;
                 matrix.view_mut((0, order), (order, 1)).copy_from(&late);
-                let unit = sizes[curve.n + turning.coordinate];
-                for (j, factor) in turning.entries(curve.n) {
-                    matrix[(order, j)] = factor * (sizes[j] / unit);
+                for j in 0..order {
+                    matrix[(order, j)] = condition.normal[j] * sizes[j];
                 }
+                right[order] = -condition.missed_by(&vector(&image.start, order));
             }
             let change = solution(&matrix, &right)?;
             let size = change.amax();

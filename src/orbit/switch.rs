@@ -165,12 +165,11 @@ fn other_branch(
     (period, parameter): (f64, f64),
     is_symmetric: bool,
 ) -> Result<(f64, TrialMotion), Error> {
-    let start = anchor(&mut curve, parameter, start.clone(), period)?;
-    let mut here = curve.guess(&start, period, parameter)?;
+    let mut here = anchor(&mut curve, parameter, start, period)?;
     let lost = |here: &Solved| curve.lost(&here.y, &here.trial);
     let (map, order, last) = (&here.trial.map, curve.order, curve.unknowns() - 1);
     let sizes = map.sizes();
-    let (half, _) = curve.motion(&here.y, map.end_modes(), 0.5)?;
+    let (half, _) = curve.motion(&here.y, &here.begin, 0.5)?;
     let half_map = if is_symmetric {
         let found = HalfMap::of_symmetric(map, here.trial.period);
         found.ok_or_else(|| lost(&here))?
@@ -181,10 +180,10 @@ fn other_branch(
     let inverted = inverted.ok_or_else(|| lost(&here))?;
     let mut across = DVector::zeros(last + 1);
     across.rows_mut(0, order).copy_from(&inverted);
-    if let Some(turning) = &curve.turning {
+    if let Some(condition) = &here.begin.condition {
         // Projected on the section, along the motion.
-        let (n, flow) = (curve.n, &map.flow[0]);
-        let [part, rate] = [&inverted, flow].map(|vector| turning.of_velocities(|j| vector[n + j]));
+        let flow = &map.flow[0];
+        let [part, rate] = [&inverted, flow].map(|vector| condition.speed(vector));
         across.rows_mut(0, order).axpy(-part / rate, flow, 1.0);
     }
     let scale = natural_scale(&curve, &here);
@@ -210,7 +209,7 @@ fn other_branch(
                 continue;
             }
         };
-        let (half, _) = curve.motion(&found.y, found.trial.map.end_modes(), 0.5)?;
+        let (half, _) = curve.motion(&found.y, &found.begin, 0.5)?;
         let start = vector(&half.start, order);
         let image = vector(&half_map.applied(half).end, order);
         let missed = (start - image).component_div(&sizes);

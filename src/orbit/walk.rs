@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::branch::{BifurcationKind, BranchEnd};
 use super::changes::{FoundBifurcation, Signs};
-use super::curve::{BLUNT, Curve, Solved, sharpest};
+use super::curve::{Curve, Solved};
 use super::jump::LARGE;
 use super::local_curve::{CurvePoint, LocalCurve};
 use super::locus::end::tangential_end;
@@ -12,11 +12,10 @@ use super::spectrum::hopf_point;
 use crate::error::Error;
 use crate::motion::Segment;
 use crate::numerics::trace::{Plane, at_zero};
-use crate::state::structure::State;
 
 /// One half of a branch.
 pub(super) struct Walk<'v, 'f> {
-    pub(super) curve: &'v mut Curve<'f>,
+    pub(super) curve: &'v Curve<'f>,
     /// Scales of the unknowns of the first motion.
     pub(super) first_scale: DVector<f64>,
     pub(super) points: Vec<Solved>,
@@ -66,6 +65,9 @@ const GRAZING_RISE: f64 = 0.3;
 /// least this factor smaller than that of the next.
 const RELEASE_MOTIONS: usize = 5;
 const APART: f64 = 1.5;
+
+/// Motions at one parameter are the same if they are closer than this, in units of the scales.
+const SAME: f64 = 1e-6;
 
 /// Place of the last motion before a jump, as a part of the distance of the jump.
 const BESIDE: f64 = 0.99;
@@ -140,20 +142,21 @@ impl Walk<'_, '_> {
             self.points.push(place.solved.clone());
             let parameter = self.curve.parameter(&place.solved.y);
             self.curve.watched.found(parameter);
-            let tangent = place.solved.tangent.component_mul(&scale);
-            let mut before = std::mem::replace(&mut base, place.solved);
-            let next_scale = self.scale(&base);
-            base.tangent = self.curve.unit(&tangent.component_div(&next_scale));
-            before.tangent = before
-                .tangent
-                .component_mul(&scale)
-                .component_div(&next_scale);
-            scale = next_scale;
-            self.before = before.is_like(&base).then_some(before);
-            if let Some((moved, moved_scale)) = self.started_elsewhere(&base, &tangent) {
-                (base, scale) = (moved, moved_scale);
-                self.before = None;
+            let before = std::mem::replace(&mut base, place.solved);
+            if let Some((moved, moved_scale)) = self.moved(&before, &base) {
+                (base, scale, self.before) = (moved, moved_scale, None);
+                continue;
             }
+            let next_scale = self.scale(&base);
+            let in_new_units = |mut solved: Solved| {
+                solved.tangent.component_mul_assign(&scale);
+                solved.tangent.component_div_assign(&next_scale);
+                solved
+            };
+            base = in_new_units(base);
+            base.tangent.normalize_mut();
+            self.before = Some(in_new_units(before)).filter(|before| before.is_like(&base));
+            scale = next_scale;
         }
         self.curve.end_at_limit(&base)
     }
@@ -242,7 +245,9 @@ impl Walk<'_, '_> {
             }
             end = Some(Outcome::End(jump.end));
         }
-        if let Some((place, found)) = view.corner() {
+        if let Some((place, found)) = view.corner()
+            && !self.was_left(view, &place)
+        {
             *signs = [0.0; 4];
             let length = view.apart(here, &place);
             let found = Vec::from_iter(found);
@@ -256,10 +261,37 @@ impl Walk<'_, '_> {
         (end.unwrap_or(lost), shortest)
     }
 
+    /// Returns true if a motion behind a corner lies on the curve before it. There the events may
+    /// have changed, so that they do not tell the two pieces apart.
+    fn was_left(&self, view: &LocalCurve<'_, '_>, place: &CurvePoint) -> bool {
+        let (curve, motion) = (self.curve, &place.solved);
+        let parameter = curve.parameter(&motion.y);
+        let before = self.points.windows(2).rev().find_map(|pair| {
+            let [low, high] = [&pair[0], &pair[1]].map(|point| curve.parameter(&point.y));
+            let part = (parameter - low) / (high - low);
+            let is_there = (0.0..=1.0).contains(&part) && pair.iter().any(|p| p.is_like(motion));
+            is_there.then_some((pair, part))
+        });
+        let Some((pair, part)) = before else {
+            return false;
+        };
+        let seen = |point: &Solved| {
+            let distance = |y: &DVector<f64>| (y - &motion.y).component_div(view.scale).amax();
+            let seen = curve.seen(point, &motion.begin).into_iter();
+            seen.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        };
+        let (Some(low), Some(high)) = (seen(&pair[0]), seen(&pair[1])) else {
+            return false;
+        };
+        let guess = low * (1.0 - part) + high * part;
+        let before = view.with_parameter(parameter, &guess, motion);
+        before.is_ok_and(|before| view.apart(&before, place) <= SAME)
+    }
+
     /// The guess for a step: by the two-step formula of Adams and Bashforth from the tangents at
     /// the last two points, or on the tangent. What the equations do not determine stays as it is.
     fn predicted(&self, view: &LocalCurve<'_, '_>, length: f64) -> DVector<f64> {
-        let (base, along) = (view.base, view.curve.measured(&view.base.tangent));
+        let (base, along) = (view.base, &view.base.tangent);
         let mut slope = base.tangent.clone();
         if let Some(before) = &self.before {
             let distance = along.dot(&(view.scaled(base) - view.scaled(before)));
@@ -278,7 +310,7 @@ impl Walk<'_, '_> {
         length: f64,
         signs: &mut Signs,
     ) -> Result<Outcome, Error> {
-        let (curve, base) = (self.curve as &Curve<'_>, view.base);
+        let (curve, base) = (self.curve, view.base);
         let guess = self.predicted(view, length);
         let parameter = curve.parameter(&guess);
         let range = &curve.range;
@@ -298,7 +330,7 @@ impl Walk<'_, '_> {
             place = view.with_parameter(end, &place.solved.y, &place.solved)?;
         }
         let is_last = [range.start, range.end].contains(&curve.parameter(&place.solved.y));
-        let turned = curve.turn(&place.solved) / curve.turn(base);
+        let turned = Curve::speed(&place.solved) / Curve::speed(base);
         if turned < -AT_REST {
             return self
                 .hopf(view, here, &place)
@@ -309,15 +341,15 @@ impl Walk<'_, '_> {
             return Err(Error::AtRest.at("parameter", parameter));
         }
         let moved = view.scaled(&place.solved) - view.scaled(base);
-        let direction = curve.measured(&base.tangent);
+        let direction = &base.tangent;
         // The force of an elastic contact that slips at the start follows its limit.
         let sideways = base
             .trial
             .map
-            .without_idle(&moved - &direction * place.distance);
-        let straight = place.solved.tangent.dot(&direction) >= STRAIGHT
+            .without_idle(&moved - direction * place.distance);
+        let straight = place.solved.tangent.dot(direction) >= STRAIGHT
             && sideways.norm() <= 0.5 * place.distance;
-        // A curve may turn sharply where the events change, or one of them passes the start.
+        // A curve may turn sharply where the events change.
         let same = base.is_like(&place.solved);
         let allowed = straight || (!same && sideways.norm() <= 2.0 * LONGEST);
         let map = &place.solved.trial.map;
@@ -345,11 +377,12 @@ impl Walk<'_, '_> {
         beyond: &CurvePoint,
     ) -> Option<Outcome> {
         let curve = view.curve;
-        let turn = |place: &CurvePoint| curve.turn(&place.solved);
+        let turn = |place: &CurvePoint| Curve::speed(&place.solved);
         // The largest velocity itself, because the sizes do not fall below rounding of the
         // displacements.
         let speed = |place: &CurvePoint| {
-            let turning = curve.turning.as_ref()?;
+            let condition = place.solved.begin.condition.as_ref()?;
+            let turning = condition.turning.as_ref()?;
             let ends = place.solved.trial.map.steps.iter().map(Segment::end_state);
             let speeds = ends.map(|end| turning.of_velocities(|j| end.velocities[j]).abs());
             Some(speeds.fold(0.0, f64::max))
@@ -428,9 +461,9 @@ impl Walk<'_, '_> {
         if !self.magnifies_more(base) {
             return None;
         }
-        let (parameter, trial) = tangential_end(self.curve, base)?;
+        let (parameter, trial, begin) = tangential_end(self.curve, base)?;
         let mut solved = base.clone();
-        solved.trial = trial;
+        (solved.trial, solved.begin) = (trial, begin);
         let last = self.curve.unknowns() - 1;
         solved.y[last] = parameter;
         let found = FoundBifurcation {
@@ -447,64 +480,45 @@ impl Walk<'_, '_> {
         if self.points.len() < 3 {
             return false;
         }
-        let scaled = |y: &DVector<f64>| self.curve.scaled(y, &self.first_scale);
+        let scaled = |y: &DVector<f64>| y.component_div(&self.first_scale);
         let [from, to] = [&base.y, &next.y].map(scaled);
         let step = to - &from;
         let along = step.norm_squared();
-        let passes = |point: &DVector<f64>, left: &DVector<f64>| {
+        let passes = |point: &DVector<f64>, left: DVector<f64>| {
             let part = step.dot(&(point - &from)) / along;
             let beside = &from + &step * part - point;
-            step.dot(left) > 0.0
+            step.dot(&left) > 0.0
                 && (0.0..=1.0).contains(&part)
                 && beside.norm_squared() <= 0.01 * along
         };
-        let begun_later = |periods: usize| {
-            let later = |solved| Some(scaled(&self.curve.begun_later(solved, periods)?));
-            let (point, second) = (later(first)?, later(&self.points[0])?);
-            Some(passes(&point, &(second - &point)))
+        let seen = |solved| -> Vec<_> {
+            let seen = self.curve.seen(solved, &base.begin);
+            seen.iter().map(scaled).collect()
         };
-        passes(&scaled(&first.y), &self.curve.measured(&first.tangent))
-            || (1..self.curve.periods()).any(|periods| begun_later(periods) == Some(true))
+        let seconds = seen(&self.points[0]);
+        seen(first).iter().any(|point| {
+            let nearest = |a: &&DVector<f64>, b: &&DVector<f64>| {
+                (*a - point).norm().total_cmp(&(*b - point).norm())
+            };
+            let second = seconds.iter().min_by(nearest);
+            second.is_some_and(|second| passes(point, second - point))
+        })
     }
 
-    /// Re-anchors the phase condition at a sharper turning point, with the scales there; `None` if
-    /// that is not needed.
-    fn started_elsewhere(
-        &mut self,
-        base: &Solved,
-        tangent: &DVector<f64>,
-    ) -> Option<(Solved, DVector<f64>)> {
-        let now = self.curve.turning.clone()?;
-        let map = &base.trial.map;
-        let turn = sharpest(map)?;
-        let size = map.sizes()[self.curve.n + now.coordinate];
-        if self.curve.turn(base).abs() >= BLUNT * turn.sharpness * size {
-            return None;
-        }
-        self.curve.turning = Some(turn.turning);
-        let moved = self.moved(base, &turn.state, tangent);
-        if moved.is_none() {
-            self.curve.turning = Some(now);
-        }
-        moved
-    }
-
-    /// The same motion with another start. Only the period and the parameter of the tangent still
-    /// determine the direction.
-    fn moved(
-        &self,
-        base: &Solved,
-        start: &State,
-        tangent: &DVector<f64>,
-    ) -> Option<(Solved, DVector<f64>)> {
-        let (curve, last) = (&*self.curve, tangent.len() - 1);
-        let parameter = curve.parameter(&base.y);
-        let guess = curve.guess(start, base.trial.period, parameter).ok()?;
+    /// The same motion with another start and the scales there, if an event has come near its
+    /// start, or it hardly passes the phase condition any more. The way from the point before it
+    /// determines the direction.
+    fn moved(&self, before: &Solved, base: &Solved) -> Option<(Solved, DVector<f64>)> {
+        let (curve, trial) = (self.curve, &base.trial);
+        let (start, begin) = base.begin.moved(&trial.map, trial.period)?;
+        let guess = curve.guess(&start, (trial.period, curve.parameter(&base.y)), begin);
+        let guess = guess.ok()?;
         let scale = self.scale(&guess);
-        let mut along = tangent.component_div(&scale);
-        along.rows_mut(0, curve.order).fill(0.0);
-        along.normalize_mut();
-        let plane = Plane::with_value(last, parameter, &along, &scale);
+        let ways = curve.seen(before, &guess.begin).into_iter();
+        let ways = ways.map(|from| (&guess.y - from).component_div(&scale));
+        let way = ways.min_by(|a, b| a.norm().total_cmp(&b.norm()))?;
+        let along = way.try_normalize(0.0)?;
+        let plane = Plane::beyond(&guess.y, 0.0, along.clone(), &along, &scale);
         let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
         Some((solved, scale))
     }

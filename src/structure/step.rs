@@ -192,6 +192,22 @@ impl Step {
         }
     }
 
+    /// The same step of a periodic motion earlier by a number of periods, and moved back.
+    pub(crate) fn earlier(mut self, by: f64, moved: &[f64]) -> Self {
+        (self.start, self.end) = (self.start.after(-by), self.end.after(-by));
+        let half = self.ends.len() / 2;
+        for ends in self.ends.chunks_mut(half.max(1)) {
+            std::iter::zip(ends, moved).for_each(|(x, moved)| *x -= moved);
+        }
+        self.state = OnceLock::new();
+        for event in self.ending.iter_mut().flat_map(|ending| &mut ending.events) {
+            event.time -= by;
+            let displacements = event.state.displacements.iter_mut();
+            displacements.zip(moved).for_each(|(x, moved)| *x -= moved);
+        }
+        self
+    }
+
     /// The same step with a contact that comes to rest at its end, in a state there.
     pub(crate) fn coming_to_rest(self, contact: usize, state: State) -> Self {
         let mut step = self.ending_in(&state);

@@ -30,6 +30,7 @@ mod opening;
 mod random_sensitivities;
 mod ranges;
 mod references;
+mod retracing;
 mod seam;
 mod sensitivities;
 mod standing;

@@ -6,6 +6,8 @@ use std::ops::ControlFlow;
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, minimum_behind, speeds};
 use super::super::map::PeriodMap;
+use super::super::mark::Mark;
+use super::super::phase_condition::FrozenStart;
 use super::super::trial::TrialMotion;
 use super::found::LocusKind;
 use crate::motion::{Event, EventKind, Mode, Segment};
@@ -38,6 +40,17 @@ impl Change {
         of_holds && of_marks
     }
 
+    /// Makes motions from a start hold and watch this change, too.
+    pub(super) fn add_to(&self, begin: &mut FrozenStart) {
+        let first = begin.holds.len();
+        let holds = self.holds.iter().map(|hold| Hold {
+            number: first + hold.number,
+            ..*hold
+        });
+        begin.holds.extend(holds);
+        begin.marks.extend(&self.marks);
+    }
+
     /// The scalar that is 0 at the change, in a motion with so many holds before its own.
     pub(super) fn value(
         &self,
@@ -64,50 +77,6 @@ impl Change {
             (LocusKind::Order { .. }, [a, b, ..]) => Some(a.2 - b.2),
             _ => None,
         }
-    }
-}
-
-/// An event that is watched.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mark {
-    pub(super) contact: usize,
-    /// Its kind; `None` for an arrival, which may become a stop or a crossing.
-    pub(super) kind: Option<EventKind>,
-    /// The approximate time since the start of the motion, and the largest distance from this time.
-    pub(super) since: f64,
-    pub(super) within: f64,
-}
-
-impl Mark {
-    fn is(&self, event: &Event<State>) -> bool {
-        let kind = match self.kind {
-            Some(kind) => event.kind == kind,
-            None => matches!(event.kind, EventKind::Stick | EventKind::Crossing(_)),
-        };
-        event.contact == self.contact && kind
-    }
-
-    /// Its event among those of a motion, with the step at whose end it is.
-    pub(super) fn find<'s>(&self, steps: &'s [Step]) -> Option<(&'s Step, &'s Event<State>, f64)> {
-        let begins = steps.first()?.start_time();
-        let events = steps
-            .iter()
-            .flat_map(|step| step.events().iter().map(move |event| (step, event)));
-        let found = events.filter_map(|(step, event)| {
-            let since = event.time - begins;
-            let away = (since - self.since).abs();
-            (self.is(event) && away <= self.within).then_some((step, event, since))
-        });
-        let away = |since: f64| (since - self.since).abs();
-        found.min_by(|a, b| away(a.2).total_cmp(&away(b.2)))
-    }
-
-    /// Returns true if an event is this one, or one of a stop there that lasts no longer than
-    /// rounding.
-    pub(super) fn covers(&self, event: &Event<State>, begins: f64, period: f64) -> bool {
-        const LASTS: f64 = 1e-6;
-        let near = (event.time - begins - self.since).abs() <= LASTS * period;
-        near && event.contact == self.contact && (self.kind.is_none() || self.is(event))
     }
 }
 

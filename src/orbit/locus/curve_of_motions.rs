@@ -1,10 +1,10 @@
 //! What the curves of all bifurcations have in common.
 
 use super::super::form::GeneralForm;
+use super::super::phase_condition::FrozenStart;
 use super::super::trial::TrialMotion;
 use super::change::Change;
 use super::found::SpecialKind;
-use super::frozen_start::FrozenStart;
 use super::motions::Motions;
 use crate::numerics::trace::{Equations, Point};
 

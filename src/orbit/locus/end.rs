@@ -5,10 +5,10 @@ use std::cell::Cell;
 use nalgebra::DVector;
 
 use super::super::curve::{Curve, Solved};
+use super::super::phase_condition::FrozenStart;
 use super::super::trial::TrialMotion;
 use super::change::touch;
-use super::events::EventCurve;
-use super::frozen_start::FrozenStart;
+use super::events::{EventCurve, Held};
 use super::motions::Motions;
 use crate::numerics::trace::{self, Equations, Plane};
 
@@ -18,7 +18,7 @@ use crate::numerics::trace::{self, Equations, Plane};
 pub(in crate::orbit) fn tangential_end(
     curve: &Curve<'_>,
     base: &Solved,
-) -> Option<(f64, TrialMotion)> {
+) -> Option<(f64, TrialMotion, FrozenStart)> {
     let members = |first: f64, _: f64| (curve.family)(first);
     let bounds = (curve.most, curve.watched);
     let size = [curve.n, curve.order];
@@ -31,9 +31,8 @@ pub(in crate::orbit) fn tangential_end(
     });
     let change = found.ok()??;
     let begin = FrozenStart {
-        modes: map.first_modes().unwrap_or_default().to_vec(),
         holds: change.holds,
-        ..FrozenStart::at_zero()
+        ..base.begin.clone()
     };
     let events = EventCurve {
         motions,
@@ -47,10 +46,6 @@ pub(in crate::orbit) fn tangential_end(
     let along = DVector::from_element(own + 2, 1.0);
     let plane = Plane::with_value(own + 1, 0.0, &along, &scale);
     let point = trace::solve(&events, &y, &near, &plane).ok()?;
-    let value = &point.value;
-    let motions = &events.motions;
-    let trial = motions
-        .since_zero(&point.y, &value.trial, &value.begin)
-        .ok()?;
-    Some((motions.parameters(&point.y)[0], trial))
+    let Held { trial, begin, .. } = point.value;
+    Some((events.motions.parameters(&point.y)[0], trial, begin))
 }

@@ -18,12 +18,12 @@ use num_complex::Complex;
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, Touch};
 use super::super::map::{CLOSED, vector};
+use super::super::phase_condition::FrozenStart;
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::change::{Change, margin};
 use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusKind, SpecialKind};
-use super::frozen_start::FrozenStart;
 use super::motions::Motions;
 use crate::error::Error;
 use crate::motion::{EventKind, Segment};
@@ -171,8 +171,9 @@ impl EventCurve<'_> {
     fn residual_of(&self, y: &DVector<f64>, held: &Held) -> DVector<f64> {
         let (order, begin) = (self.motions.order, &held.begin);
         let mut residual = held.residual.component_div(&begin.sizes.rows(0, order));
-        if let Some(section) = &begin.section {
-            residual = residual.insert_row(order, section.at(&y.rows(0, order).into_owned()));
+        if let Some(condition) = &begin.condition {
+            let missed = condition.missed_by(&y.rows(0, order).into_owned());
+            residual = residual.insert_row(order, missed);
         }
         let rows = residual.len();
         residual.insert_row(rows, held.scalar)
@@ -236,7 +237,7 @@ impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
 
     fn holding(&self, held: &Held, change: &Change) -> Held {
         let mut held = held.clone();
-        held.begin.add(change);
+        change.add_to(&mut held.begin);
         held.begin.slip_on();
         held
     }
@@ -335,7 +336,7 @@ impl Equations for EventCurve<'_> {
     fn complete(&self, y: &DVector<f64>, mut held: Held) -> Result<Held, Error> {
         let motions = &self.motions;
         let trial = motions.trial(y, &held.begin)?;
-        let is_free = held.begin.section.is_some();
+        let is_free = held.begin.condition.is_some();
         let seen = motions.with(motions.parameters(y), |form| {
             let map = &trial.map;
             Ok(self.seen(form, (&map.steps, &map.touches), &held.begin))
@@ -361,7 +362,8 @@ impl Equations for EventCurve<'_> {
         };
         held.sequence = Some(sequence);
         held.begin.holds = trial.map.touches.iter().map(|touch| touch.hold).collect();
-        motions.settle(y, &trial, &mut held.begin)?;
+        let start = y.rows(0, motions.order).into_owned();
+        held.begin.settle(start, &trial)?;
         held.trial = trial;
         Ok(held)
     }

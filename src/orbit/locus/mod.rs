@@ -7,11 +7,9 @@ mod directions;
 pub(super) mod end;
 mod events;
 pub(super) mod found;
-mod frozen_start;
 mod motions;
 mod smooth;
 mod special;
-mod start;
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -23,7 +21,6 @@ use self::curve_of_motions::CurveOfMotions;
 use self::directions::{both_ways, first_point};
 use self::events::EventCurve;
 use self::found::{Locus, LocusKind, LocusPoint, SpecialPoint};
-use self::frozen_start::FrozenStart;
 use self::motions::Motions;
 use self::smooth::{Smooth, SmoothCurve};
 use super::branch::{Bifurcation, BifurcationKind};
@@ -32,6 +29,7 @@ use super::map::vector;
 use super::oscillator::{Oscillator, SystemsOfTwo, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
+use super::phase_condition::FrozenStart;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::EventKind;
@@ -370,10 +368,9 @@ fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
     let orbit = |point: &Point<E::Value>| {
         let parameters = motions.parameters(&point.y);
         let find = || {
-            let (trial, begin) = E::motion(&point.value);
-            let trial = motions.since_zero(&point.y, trial, begin)?;
+            let (trial, _) = E::motion(&point.value);
             let system = family(parameters[0], parameters[1])?;
-            Orbit::new(&system, &system.form(), trial, period)
+            Orbit::new(&system, &system.form(), trial.clone(), period)
         };
         find().map_err(|error: Error| located(error, parameters))
     };

@@ -10,15 +10,14 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::form::GeneralForm;
 use super::super::half_map::{Balance, HalfMap};
-use super::super::map::{PeriodMap, held_period_map, state};
+use super::super::map::{PeriodMap, held_period_map, vector};
 use super::super::oscillator::FamilyOfTwo;
-use super::super::passage::{StepsAndTouches, held_steps};
+use super::super::passage::{StepsAndTouches, events_of, held_steps};
 use super::super::period::Period;
+use super::super::phase_condition::FrozenStart;
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
-use super::frozen_start::{FrozenStart, Section};
 use crate::error::Error;
-use crate::motion::{EventKind, Segment};
 use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
 
@@ -178,10 +177,44 @@ impl<'f> Motions<'f> {
         begin: &FrozenStart,
     ) -> Result<(f64, State, f64), Error> {
         let period = self.period(form, y)?;
-        let time = begin.phase * period;
-        let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        form.put_in_modes(&mut start, time, &|c| begin.modes.get(c).copied());
+        let (time, start) = begin.of(form, y, period);
         Ok((time, start, period))
+    }
+
+    /// A start of the motion away from its events: y there, and what stays.
+    pub(super) fn begun(
+        &self,
+        y: &DVector<f64>,
+        trial: &TrialMotion,
+        old: &FrozenStart,
+    ) -> Result<(DVector<f64>, FrozenStart), Error> {
+        let begun = FrozenStart::away(&trial.map, trial.period, old, self.is_free())?;
+        self.settled(y, begun)
+    }
+
+    /// Another start, if this one has become unsuitable.
+    pub(super) fn moved(
+        &self,
+        y: &DVector<f64>,
+        trial: &TrialMotion,
+        begin: &FrozenStart,
+    ) -> Option<(DVector<f64>, FrozenStart)> {
+        let moved = begin.moved(&trial.map, trial.period)?;
+        self.settled(y, moved).ok()
+    }
+
+    fn settled(
+        &self,
+        y: &DVector<f64>,
+        (start, mut begin): (DVector<f64>, FrozenStart),
+    ) -> Result<(DVector<f64>, FrozenStart), Error> {
+        let mut y = y.clone();
+        y.rows_mut(0, self.order).copy_from(&start);
+        let trial = self.trial(&y, &begin)?;
+        let start = vector(&trial.map.start, self.order);
+        y.rows_mut(0, self.order).copy_from(&start);
+        begin.settle(start, &trial)?;
+        Ok((y, begin))
     }
 
     /// The motion over one period from the start in y.
@@ -279,10 +312,10 @@ impl<'f> Motions<'f> {
                 residual: DVector::zeros(self.order),
             });
         }
-        let events = events_of(&trial.map);
+        let events = events_of(&trial.map.steps);
         let beside = |step: f64| {
             let beside = self.closing_trial(&(y + direction * step), begin).ok()?;
-            (events_of(&beside.map) == events).then(|| MotionDerivatives {
+            (events_of(&beside.map.steps) == events).then(|| MotionDerivatives {
                 by_start: self.by_start(&beside.map),
                 residual: beside.map.residual(),
             })
@@ -324,8 +357,8 @@ impl<'f> Motions<'f> {
         let start = y.rows(0, self.order);
         let mut residual = trial.map.residual();
         residual.component_div_assign(&begin.sizes.rows(0, self.order));
-        if let Some(section) = &begin.section {
-            residual = residual.insert_row(self.order, section.at(&start.into_owned()));
+        if let Some(condition) = &begin.condition {
+            residual = residual.insert_row(self.order, condition.missed_by(&start.into_owned()));
         }
         residual
     }
@@ -345,9 +378,9 @@ impl<'f> Motions<'f> {
                 matrix[(i, j)] *= scale[j] / begin.sizes[i];
             }
         }
-        if let Some(Section { normal, .. }) = &begin.section {
+        if let Some(condition) = &begin.condition {
             for j in 0..order {
-                matrix[(order, j)] = normal[j] * scale[j];
+                matrix[(order, j)] = condition.normal[j] * scale[j];
             }
         }
         matrix
@@ -369,12 +402,4 @@ impl<'f> Motions<'f> {
     pub(super) fn sequence(trial: &TrialMotion) -> Sequence {
         Sequence::of(&trial.map, trial.period)
     }
-}
-
-/// The events of a motion after its start: contact and kind.
-pub(super) fn events_of(map: &PeriodMap) -> Vec<(usize, EventKind)> {
-    let begins = map.steps.first().map_or(0.0, Segment::start_time);
-    let events = map.steps.iter().flat_map(Segment::events);
-    let events = events.filter(|event| event.time > begins);
-    events.map(|event| (event.contact, event.kind)).collect()
 }

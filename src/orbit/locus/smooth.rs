@@ -19,14 +19,15 @@ use num_complex::Complex;
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then};
 use super::super::map::{CLOSED, vector};
+use super::super::passage::events_of;
+use super::super::phase_condition::FrozenStart;
 use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::bordered::Bordered;
 use super::change::Change;
 use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusKind, SpecialKind};
-use super::frozen_start::{FrozenStart, Section};
-use super::motions::{Motions, events_of};
+use super::motions::Motions;
 use crate::error::Error;
 use crate::numerics::trace::{Equations, Point};
 
@@ -127,14 +128,14 @@ impl<'f> SmoothCurve<'f> {
         let order = self.motions.order;
         let matrix = self.monodromy(trial, begin);
         let one = DMatrix::identity(order, order);
-        match (self.kind, &begin.section) {
+        match (self.kind, &begin.condition) {
             (Smooth::Fold, None) => matrix - one,
-            (Smooth::Fold, Some(Section { normal, .. })) => {
+            (Smooth::Fold, Some(condition)) => {
                 let mut matrix = (matrix - one).resize(order + 1, order + 1, 0.0);
                 for i in 0..order {
                     matrix[(i, order)] =
                         trial.map.flow[1][i] * (begin.sizes[order] / begin.sizes[i]);
-                    matrix[(order, i)] = normal[i] * begin.sizes[i];
+                    matrix[(order, i)] = condition.normal[i] * begin.sizes[i];
                 }
                 matrix
             }
@@ -240,13 +241,15 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         AWAY.iter().any(|away| {
             let y = &point.y + point.tangent.component_mul(&point.scale) * *away;
             let beyond = self.motions.closing_trial(&y, &value.begin);
-            beyond.is_ok_and(|beyond| events_of(&beyond.map) != events_of(&value.trial.map))
+            beyond.is_ok_and(|beyond| {
+                events_of(&beyond.map.steps) != events_of(&value.trial.map.steps)
+            })
         })
     }
 
     fn holding(&self, motion: &Motion, change: &Change) -> Motion {
         let mut motion = motion.clone();
-        motion.begin.add(change);
+        change.add_to(&mut motion.begin);
         motion
     }
 
@@ -358,7 +361,7 @@ impl Equations for SmoothCurve<'_> {
 
     fn complete(&self, y: &DVector<f64>, mut value: Motion) -> Result<Motion, Error> {
         let motions = &self.motions;
-        let is_free = value.begin.section.is_some();
+        let is_free = value.begin.condition.is_some();
         let (map, growth) = (&value.trial.map, value.trial.map.growth());
         let mut multipliers = None;
         value.whole = match motions.half {
@@ -387,7 +390,8 @@ impl Equations for SmoothCurve<'_> {
         let renewed = value.bordered.renewed();
         let bordered = renewed.ok_or_else(|| motions.lost(y, &value.trial))?;
         let old = value.begin.sizes.clone();
-        motions.settle(y, &trial, &mut value.begin)?;
+        let start = y.rows(0, motions.order).into_owned();
+        value.begin.settle(start, &trial)?;
         value.bordered = bordered.rescaled(&old.component_div(&value.begin.sizes));
         Ok(value)
     }
@@ -424,7 +428,7 @@ impl Equations for SmoothCurve<'_> {
     }
 
     fn size(&self, value: &Motion) -> Option<(usize, f64)> {
-        let turning = value.begin.section.as_ref()?.turning.as_ref()?;
+        let turning = value.begin.condition.as_ref()?.turning.as_ref()?;
         let flow = &value.trial.map.flow[0];
         let acceleration = turning.of_velocities(|j| flow[self.motions.n + j]);
         Some((turning.coordinate, acceleration))

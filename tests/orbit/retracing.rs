@@ -1,0 +1,229 @@
+//! A branch visits no motion twice.
+
+use std::f64::consts::{PI, TAU};
+
+use stick_slip::orbit::{
+    Attractor, BifurcationKind, Branch, BranchEnd, BranchPoint, Orbit, Period, classify, follow,
+    settle,
+};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Drive, Dwell, Error, Exponential, Rational, Structure};
+
+use crate::common::{Random, count};
+
+/// Three modes of a string, bowed at an eighth of its length.
+fn string(load: f64) -> Result<Structure, Error> {
+    let law = Rational::new(0.8, 5.0)?.with_offset(0.3)?;
+    let mut string = Structure::new(&[1.0; 3])?;
+    for i in 0..3 {
+        let omega = TAU * 196.0 * (i + 1) as f64;
+        string = string
+            .with_ground_spring(i, omega * omega)?
+            .with_ground_damper(i, 0.004 * omega)?;
+    }
+    let shape = |i: usize| 2000.0_f64.sqrt() * ((i + 1) as f64 * PI / 8.0).sin();
+    let direction: Vec<_> = (0..3).map(|i| (i, shape(i))).collect();
+    string.with_contact(Contact::along(&direction, law, load)?.on_belt(0.4))
+}
+
+/// The numbers by which the motions of a branch differ: the parameter, the period, and extremes,
+/// or the state at time 0 of the drives.
+fn numbers(point: &BranchPoint<State>, masses: usize) -> Vec<f64> {
+    let orbit = &point.orbit;
+    let mut numbers = vec![point.parameter, orbit.period()];
+    if let Period::Driven(_) = orbit.kind() {
+        numbers.extend(orbit.state().displacements);
+        numbers.extend(orbit.state().velocities);
+    }
+    for i in 0..masses {
+        for (low, high) in [orbit.extremes(i), orbit.velocity_extremes(i)] {
+            numbers.extend([low, high]);
+        }
+    }
+    numbers
+}
+
+/// The number of motions in a row that lie on a part of the branch that was left before.
+fn retraced(branch: &Branch<State>, masses: usize) -> usize {
+    let points = branch.points.iter();
+    let mut points: Vec<_> = points.map(|point| numbers(point, masses)).collect();
+    for k in 0..points.first().map_or(0, Vec::len) {
+        let of = |pick: fn(f64, f64) -> f64| points.iter().map(|p| p[k]).reduce(pick).unwrap();
+        let width = of(f64::max) - of(f64::min);
+        let unit = if width > 0.0 { width } else { 1.0 };
+        points.iter_mut().for_each(|point| point[k] /= unit);
+    }
+    let apart =
+        |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let lies_on = |point: &[f64], from: &[f64], to: &[f64]| {
+        let (way, there) = (apart(to, from), apart(point, from));
+        let along = dot(&way, &way);
+        let part = dot(&way, &there) / along;
+        let beside: Vec<_> = there.iter().zip(&way).map(|(a, b)| a - part * b).collect();
+        (0.0..=1.0).contains(&part) && dot(&beside, &beside) <= 0.02_f64.powi(2) * along
+    };
+    let (mut most, mut row) = (0, 0);
+    for (i, point) in points.iter().enumerate() {
+        let before = points[..i.saturating_sub(3)].windows(2);
+        let known = before
+            .filter(|pair| lies_on(point, &pair[0], &pair[1]))
+            .count()
+            > 0;
+        row = if known { row + 1 } else { 0 };
+        most = most.max(row);
+    }
+    most
+}
+
+/// A random structure of a family, whose parameter multiplies one of its numbers.
+struct Family {
+    masses: Vec<f64>,
+    springs: Vec<f64>,
+    force: Option<[f64; 2]>,
+    contacts: Vec<(usize, usize, [f64; 5])>,
+    varied: usize,
+}
+
+impl Family {
+    fn random(random: &mut Random) -> Self {
+        let n = 1 + (random.bits() % 3) as usize;
+        let is_free = random.bits() & 1 == 0;
+        let contacts = 1 + (random.bits() % 2) as usize;
+        let contacts = (0..contacts.min(n)).map(|i| {
+            let belt = random.uniform(0.1, 0.6);
+            let on_belt = is_free || random.bits() & 1 == 0;
+            let numbers = [
+                random.uniform(0.3, 0.8),
+                random.uniform(0.3, 0.9),
+                random.uniform(0.2, 1.0),
+                random.uniform(0.4, 1.5),
+                if on_belt { belt } else { 0.0 },
+            ];
+            (i, (random.bits() % 4) as usize, numbers)
+        });
+        let contacts = contacts.collect();
+        Self {
+            contacts,
+            masses: (0..n).map(|_| random.uniform(0.5, 2.0)).collect(),
+            springs: (0..3 * n).map(|_| random.uniform(0.5, 2.0)).collect(),
+            force: (!is_free).then(|| [random.uniform(0.3, 1.0), random.uniform(0.4, 1.6)]),
+            varied: (random.bits() % 3) as usize,
+        }
+    }
+
+    fn at(&self, parameter: f64) -> Result<Structure, Error> {
+        let factor = |which: usize| if which == self.varied { parameter } else { 1.0 };
+        let mut system = Structure::new(&self.masses)?;
+        for i in 0..self.masses.len() {
+            let numbers = &self.springs[3 * i..];
+            system = system
+                .with_ground_spring(i, numbers[0])?
+                .with_ground_damper(i, 0.06 * numbers[1])?;
+            if i > 0 {
+                system = system.with_spring(i - 1, i, numbers[2])?;
+            }
+        }
+        if let Some([size, frequency]) = self.force {
+            let force = Drive::harmonic(size * factor(2), frequency * factor(0), 0.3)?;
+            system = system.with_force(0, force)?;
+        }
+        for &(i, kind, [top, part, width, load, belt]) in &self.contacts {
+            let load = load * factor(1);
+            let contact = match kind {
+                0 => Contact::new(i, Coulomb::new(top, part * top)?, load)?,
+                1 => {
+                    let law = Coulomb::new(part * top, part * top)?;
+                    Contact::new(i, Dwell::exponential(law, top, width)?, load)?
+                }
+                _ => Contact::new(i, Exponential::new(top, part * top, width)?, load)?,
+            };
+            let belt = belt
+                * if self.force.is_none() {
+                    factor(0) * factor(2)
+                } else {
+                    1.0
+                };
+            system = system.with_contact(contact.on_belt(belt))?;
+        }
+        Ok(system)
+    }
+
+    fn motion(&self) -> Option<Orbit<State>> {
+        let (system, rest) = (self.at(1.0).ok()?, State::at_rest(self.masses.len()));
+        if self.force.is_some() {
+            return settle(&system, &rest, 300.0, Period::Driven(1)).ok();
+        }
+        match classify(&system, &rest).ok()? {
+            Attractor::PureSlip(orbit) | Attractor::StickSlip(orbit) => Some(*orbit),
+            _ => None,
+        }
+    }
+}
+
+/// Returns true if a branch of doubled motions passes the flip at which it is born: behind it are
+/// the same motions, begun half a period later.
+fn is_born_within(branch: &Branch<State>) -> bool {
+    let folds = branch.bifurcations.iter();
+    let mut folds = folds.filter(|found| found.kind == BifurcationKind::Fold);
+    folds.any(|fold| {
+        let (orbit, half) = (&fold.orbit, 0.5 * fold.orbit.period());
+        let states = [0.1 * half, 1.1 * half].map(|time| orbit.trajectory().state_at(time));
+        let [Some(a), Some(b)] = states else {
+            return false;
+        };
+        let mut pairs = a.displacements.iter().zip(&b.displacements).enumerate();
+        pairs.all(|(i, (a, b))| (a - b).abs() < 1e-3 * orbit.amplitude(i))
+    })
+}
+
+#[test]
+fn random_branches_visit_no_motion_twice() {
+    let mut random = Random::new(20_261_127);
+    let mut followed = 0;
+    for case in 0..count(12, 100) {
+        let family = Family::random(&mut random);
+        let Some(orbit) = family.motion() else {
+            continue;
+        };
+        let branch = follow(|parameter| family.at(parameter), 1.0, &orbit, 0.75..1.25).unwrap();
+        let row = retraced(&branch, family.masses.len());
+        assert!(
+            row < 3 || is_born_within(&branch),
+            "{case}: {:?}",
+            branch.bifurcations
+        );
+        followed += 1;
+    }
+    assert!(followed >= count(7, 60), "{followed}");
+}
+
+/// A contact of the string comes to stick where the displacement at the contact turns most sharply.
+#[test]
+fn a_bowed_string_is_followed_past_a_stick_at_its_turning_point() {
+    let Attractor::StickSlip(orbit) = classify(&string(3.0).unwrap(), &State::at_rest(3)).unwrap()
+    else {
+        panic!("not periodic")
+    };
+    assert!((orbit.period().recip() - 182.90).abs() < 0.01);
+    let branch = follow(string, 3.0, &orbit, 2.9..3.2).unwrap();
+    assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+    assert_eq!(retraced(&branch, 3), 0);
+    let parameters = branch.points.iter().map(|point| point.parameter);
+    assert!(parameters.is_sorted());
+    // From the other side of the place.
+    let there = branch
+        .points
+        .iter()
+        .find(|point| point.parameter > 3.02)
+        .unwrap();
+    let again = follow(string, there.parameter, &there.orbit, 2.9..3.2).unwrap();
+    let of = |branch: &Branch<State>| -> Vec<_> {
+        let found = branch.bifurcations.iter();
+        found.map(|found| (found.kind, found.parameter)).collect()
+    };
+    assert_eq!(of(&branch).len(), 2);
+    for (a, b) in of(&branch).into_iter().zip(of(&again)) {
+        assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-9, "{a:?} {b:?}");
+    }
+}
