@@ -37,12 +37,12 @@ use crate::state::structure::State;
 /// The start x(0) lies away from the events of the motion. A forced motion therefore starts at
 /// another time of its period if an event comes near. An autonomous motion also satisfies a phase
 /// condition: it starts at a turning point of one coordinate, or on a plane across the motion if
-/// all turning points are near events. The curve of solutions is followed by pseudo-arclength continuation: a step along
-/// the tangent, then Newton's method on a plane across the tangent. Newton's method uses the exact
-/// derivative of the period map. The order of stick and slip is not prescribed. If the events of
-/// two neighbouring motions differ, bisection locates the change of events, to adjacent
-/// floating-point numbers or to the rounding error of the motions. The branch then continues beyond
-/// the change.
+/// all turning points are near events. The curve of solutions is followed by pseudo-arclength
+/// continuation: a step along the tangent, then Newton's method on a plane across the tangent.
+/// Newton's method uses the exact derivative of the period map. The order of stick and slip is not
+/// prescribed. If the events of two neighbouring motions differ, bisection locates the change of
+/// events, to adjacent floating-point numbers or to the rounding error of the motions. The branch
+/// then continues beyond the change.
 ///
 /// Let s be the arclength and μ_i the [multipliers](Orbit::multipliers), without the multiplier 1
 /// that every autonomous motion has. A test function changes its sign at a bifurcation:
