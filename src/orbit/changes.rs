@@ -18,6 +18,14 @@ pub(super) struct FoundBifurcation {
     pub(super) solved: Solved,
 }
 
+/// The bifurcations between two points.
+pub(super) struct Changes {
+    /// In order.
+    pub(super) found: Vec<FoundBifurcation>,
+    /// The distance of the last change of events, if there is one.
+    pub(super) last_change: Option<f64>,
+}
+
 /// Limit of changes of the event sequence within one step.
 const MOST_CHANGES: usize = 16;
 
@@ -74,7 +82,7 @@ fn change(low: &CurvePoint, high: &CurvePoint) -> Option<FoundBifurcation> {
 }
 
 impl LocalCurve<'_, '_> {
-    /// The bifurcations between two points, in order. `signs` are the last ones known.
+    /// The bifurcations between two points. `signs` are the last ones known.
     ///
     /// Returns an error if no connection between the two points is found.
     pub(super) fn changes(
@@ -82,16 +90,17 @@ impl LocalCurve<'_, '_> {
         first: &CurvePoint,
         last: &CurvePoint,
         signs: &mut Signs,
-    ) -> Result<Vec<FoundBifurcation>, Error> {
+    ) -> Result<Changes, Error> {
         let mut found = Vec::new();
         let mut from = first.clone();
         // The two sides of the last change of events, which may be the same change as the next.
         let mut sides: Option<(CurvePoint, CurvePoint)> = None;
+        let mut last_change = None;
         for _ in 0..MOST_CHANGES {
             if from.solved.sequence.is_like(&last.solved.sequence) {
                 found.extend(sides.and_then(|(low, high)| change(&low, &high)));
                 self.smooth(&from, last, signs, &mut found)?;
-                return Ok(found);
+                return Ok(Changes { found, last_change });
             }
             let (low, high) = self.change_of_events(&from, last)?;
             sides = match sides.take() {
@@ -103,6 +112,7 @@ impl LocalCurve<'_, '_> {
                 }
             };
             *signs = [0.0; 4];
+            last_change = Some(high.distance);
             from = high;
         }
         Err(self.lost(last))

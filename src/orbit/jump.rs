@@ -36,7 +36,12 @@ pub(super) struct Discontinuity {
     pub(super) end: BranchEnd,
 }
 
-/// A motion over two periods, and the events of the first: time, contact and kind.
+/// The events of one period are compared first. A motion that magnifies perturbations much shifts
+/// its later events far before the border, and only an event near the start needs a second period.
+const PERIODS: [f64; 2] = [1.0, 2.0];
+
+/// A motion over three periods, and the events of the first, or of the first two: time, contact and
+/// kind.
 #[derive(Clone)]
 struct Side {
     parameter: f64,
@@ -49,15 +54,18 @@ impl LocalCurve<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
     /// of these least distances; with its distance, and its size in units of the sizes.
     pub(super) fn discontinuity(&self, least: f64) -> Option<Discontinuity> {
-        self.jump(least).or_else(|| self.already_slips())
+        let mut found = PERIODS.into_iter();
+        let found = found.find_map(|periods| self.jump(periods, least));
+        found.or_else(|| self.already_slips())
     }
 
-    fn jump(&self, least: f64) -> Option<Discontinuity> {
-        let mut low = (0.0, self.side(0.0)?);
+    /// The same, from the events of some periods.
+    fn jump(&self, periods: f64, least: f64) -> Option<Discontinuity> {
+        let mut low = (0.0, self.side(0.0, periods)?);
         for away in AWAY {
-            let high = (away * least, self.side(away * least)?);
+            let high = (away * least, self.side(away * least, periods)?);
             if !high.1.is_like(&low.1, ALIKE) {
-                let (below, above) = self.border(low, high.clone())?;
+                let (below, above) = self.border(low, high.clone(), periods)?;
                 let unslipped = self.base.trial.map.unslipped();
                 let jump = below.1.jump_to(&above);
                 if let Some((size, end)) = jump.or_else(|| below.1.one_way_slip(&above, &unslipped))
@@ -93,12 +101,12 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The motion from a start on the tangent, at a distance from the last point.
-    fn side(&self, distance: f64) -> Option<Side> {
+    fn side(&self, distance: f64, periods: f64) -> Option<Side> {
         let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
-        let (map, period) = self.curve.motion(&y, &self.base.begin, 2.0).ok()?;
-        let first = map.begins()..map.begins() + period;
+        let (map, period) = self.curve.motion(&y, &self.base.begin, 3.0).ok()?;
+        let inside = map.begins()..map.begins() + periods * period;
         let events = map.events().map(|(event, _)| event);
-        let events = events.filter(|event| first.contains(&event.time));
+        let events = events.filter(|event| inside.contains(&event.time));
         let events = events.map(|event| (event.time, event.contact, event.kind));
         Some(Side {
             parameter: self.curve.parameter(&y),
@@ -109,13 +117,18 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The two sides of the change of the event sequence; the first with its distance.
-    fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<((f64, Side), Side)> {
+    fn border(
+        &self,
+        mut low: (f64, Side),
+        mut high: (f64, Side),
+        periods: f64,
+    ) -> Option<((f64, Side), Side)> {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (low.0 + high.0);
             if middle <= low.0 || middle >= high.0 {
                 break;
             }
-            let side = self.side(middle)?;
+            let side = self.side(middle, periods)?;
             if side.is_like(&low.1, ALIKE) {
                 low = (middle, side);
             } else {
@@ -142,21 +155,21 @@ impl Side {
         counts == [self.alike(other, part); 2]
     }
 
-    /// The time of an event since time 0 of the drives.
+    /// A time since the last time 0 of the drives.
     fn since_zero(&self, time: f64) -> f64 {
-        if time > self.period {
-            time - self.period
-        } else {
-            time
-        }
+        time.rem_euclid(self.period)
     }
 
-    /// The events of one period from time 0 of the drives on.
-    fn kinds(&self) -> Vec<(usize, EventKind)> {
-        let mut events = self.events.clone();
+    /// The events of the period in which a time lies, from time 0 of the drives on.
+    fn kinds_around(&self, time: f64) -> Vec<(usize, EventKind)> {
+        let begins = self.map.begins();
+        let begin = begins + ((time - begins) / self.period).floor() * self.period;
+        let inside = begin..begin + self.period;
+        let events = self.events.iter();
+        let mut events: Vec<_> = events.filter(|event| inside.contains(&event.0)).collect();
         sort_by(&mut events, |event| self.since_zero(event.0));
         let events = events.into_iter();
-        events.map(|(_, contact, kind)| (contact, kind)).collect()
+        events.map(|&(_, contact, kind)| (contact, kind)).collect()
     }
 
     /// The distance of another motion at a time, in units of the sizes.
@@ -187,8 +200,8 @@ impl Side {
             parameter: self.parameter,
             time: self.since_zero(time),
             contact,
-            events: self.kinds(),
-            beyond: beyond.kinds(),
+            events: self.kinds_around(time),
+            beyond: beyond.kinds_around(time),
         };
         Some((jump, end))
     }

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::branch::{BifurcationKind, BranchEnd};
-use super::changes::{FoundBifurcation, Signs};
+use super::changes::{Changes, FoundBifurcation, Signs};
 use super::curve::{Curve, Solved};
 use super::jump::LARGE;
 use super::local_curve::{CurvePoint, LocalCurve};
@@ -176,9 +176,7 @@ impl Walk<'_, '_> {
         signs: &mut Signs,
     ) -> (Outcome, f64) {
         let mut length = longest;
-        // The map magnifies rounding errors, so points at a much smaller distance cannot be
-        // distinguished.
-        let shortest = SHORTEST * base.trial.map.growth().sqrt();
+        let shortest = shortest_step(base);
         let here = CurvePoint {
             distance: 0.0,
             solved: base.clone(),
@@ -357,12 +355,17 @@ impl Walk<'_, '_> {
         if !(allowed && stays && place.distance > 0.0) {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }
-        let found = view.changes(here, &place, signs)?;
-        Ok(if is_last {
-            Outcome::Last(place, found)
-        } else {
-            Outcome::Next(place, found)
-        })
+        let Changes { found, last_change } = view.changes(here, &place, signs)?;
+        if is_last {
+            return Ok(Outcome::Last(place, found));
+        }
+        // Nearer to a change of events Newton's method cannot tell its two sides apart: a curve that
+        // turns back there would seem to go on.
+        let near = |change: f64| place.distance - change < shortest_step(&place.solved);
+        if last_change.is_some_and(near) {
+            return Err(curve.lost(&place.solved.y, &place.solved.trial));
+        }
+        Ok(Outcome::Next(place, found))
     }
 
     /// The Hopf point between two places, if the motion shrinks to a point there.
@@ -522,6 +525,12 @@ impl Walk<'_, '_> {
         let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
         Some((solved, scale))
     }
+}
+
+/// The shortest step from a point. The map magnifies rounding errors, so points at a much smaller
+/// distance cannot be distinguished.
+fn shortest_step(solved: &Solved) -> f64 {
+    SHORTEST * solved.trial.map.growth().sqrt()
 }
 
 /// The scales of the unknowns at a point: those of its state, its period and the range. In these
