@@ -255,6 +255,9 @@ impl Curve<'_> {
 
     /// The derivative of the residual by the parameter, by differences between motions with the
     /// same events: central, or one-sided if one side has no such motion.
+    ///
+    /// Beside a tangential event the residual, or the clock of a contact in it, bends as strongly as
+    /// a square root. Shorter increments are taken until it is straight over one of them.
     pub(super) fn by_parameter(
         &self,
         y: &DVector<f64>,
@@ -273,42 +276,52 @@ impl Curve<'_> {
             Some((beside[last] - y[last], miss, passed == events))
         };
         let here = trial.map.residual();
-        let mut slope = DVector::zeros(self.order);
-        // A map with a large derivative may be nonlinear as strongly as its square, as beside a
-        // tangential arrival. If it is not, longer increments lose less to rounding.
-        let growth = 0.5 * trial.map.growth();
-        let nonlinearity = 1.0 + growth * growth;
-        if growth > MILD {
-            let step = PARTS[0] * self.width() / nonlinearity.cbrt();
-            let (low, high) = (miss(-step), miss(step));
-            if let (Some((a, below, true)), Some((b, above, true))) = (low, high)
-                && (&below + &above - &here * 2.0).norm() <= STRAIGHT * (&above - &below).norm()
-            {
-                return (above - below) / (b - a);
-            }
-        }
+        // A map with a large derivative may be nonlinear as strongly as its square.
+        let growth = trial.map.growth();
+        let nonlinearity = 1.0 + 0.25 * growth * growth;
+        let unit = if growth > MILD {
+            self.width() / nonlinearity.cbrt()
+        } else {
+            self.width() / nonlinearity
+        };
+        let is_same =
+            |side: &Option<(f64, DVector<f64>, bool)>| side.as_ref().is_some_and(|side| side.2);
+        // The slope over the last increment, and whether its motions have the same events.
+        let mut known: Option<(DVector<f64>, bool)> = None;
         for part in PARTS {
-            let step = part * self.width() / nonlinearity;
-            let (low, high) = (miss(-step), miss(step));
+            let (low, high) = (miss(-part * unit), miss(part * unit));
+            let are_same = [is_same(&low), is_same(&high)];
             let here = Some((0.0, here.clone(), true));
-            let is_same =
-                |side: &Option<(f64, DVector<f64>, bool)>| side.as_ref().is_some_and(|side| side.2);
-            let any = is_same(&low) || is_same(&high);
-            let pair = match (is_same(&low), is_same(&high)) {
-                (true, false) => (low, here),
-                (false, true) => (here, high),
+            let pair = match are_same {
+                [true, false] => (low, here),
+                [false, true] => (here, high),
                 _ if low.is_none() => (here, high),
                 _ if high.is_none() => (low, here),
                 _ => (low, high),
             };
-            if let (Some((a, below, _)), Some((b, above, _))) = pair {
-                slope = (above - below) / (b - a);
+            let (Some((a, below, _)), Some((b, above, _))) = pair else {
+                continue;
+            };
+            let change = &above - &below;
+            let slope = &change / (b - a);
+            let has_same = are_same != [false, false];
+            let limit = STRAIGHT * change.norm() + CLOSED * growth;
+            if are_same == [true, true] {
+                let bend = above + below - trial.map.residual() * 2.0;
+                if bend.norm() <= limit {
+                    return slope;
+                }
+            } else if let Some((longer, true)) = &known
+                && has_same
+                && (longer - &slope).norm() * (b - a) <= limit
+            {
+                return longer.clone();
             }
-            if any {
-                break;
+            if has_same || known.is_none() {
+                known = Some((slope, has_same));
             }
         }
-        slope
+        known.map_or_else(|| DVector::zeros(self.order), |(slope, _)| slope)
     }
 
     /// The Jacobian of the equations in units of the scales, with a row of zeros below; and the

@@ -185,6 +185,21 @@ impl<'s> GeneralForm<'s> {
         !self.model.contacts[contact].is_elastic()
     }
 
+    /// Contacts with a law that sets memory anew when they come to stick.
+    pub(super) fn with_clocks(&self) -> Vec<usize> {
+        let contacts = self.model.contacts.iter().enumerate();
+        let contacts = contacts.filter(|(_, contact)| !contact.is_elastic());
+        let resets = contacts.filter(|(_, contact)| {
+            let mut probes = [0.0, 1.0].into_iter();
+            probes.any(|probe| {
+                let mut memory = vec![probe; contact.memory.len()];
+                contact.law.caught(&mut memory);
+                memory.iter().any(|value| *value != probe)
+            })
+        });
+        resets.map(|(c, _)| c).collect()
+    }
+
     /// Adjusts a state at a time to the modes of its contacts, if they are given. Contacts that
     /// stick get the relative velocity 0. Elastic contacts get their limit force in slip, the force
     /// 0 if they are open, and at most their limit force in stick.

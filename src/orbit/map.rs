@@ -1,6 +1,8 @@
 //! The period map, from the state at the start of a period to the state at its end, and its
 //! derivative.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -58,6 +60,8 @@ pub struct PeriodMap {
     slip_by_rounding: Vec<usize>,
     /// The touches past which contacts are held.
     pub(super) touches: Vec<Touch>,
+    /// Contacts whose memory is set anew by events.
+    with_clocks: Vec<usize>,
 }
 
 /// Largest residual of a closed motion, in units of the sizes of its numbers and of the
@@ -263,6 +267,17 @@ impl PeriodMap {
     pub(super) fn first_modes(&self) -> Option<&[Mode]> {
         let first = self.steps.iter().find(|step| step.duration() > 0.0);
         first.map(|step| step.modes())
+    }
+
+    /// Returns true if at a time the clock of a contact runs. The derivative of a clock is unbounded
+    /// where the event that started it becomes tangential, though nothing else may depend on it.
+    pub(super) fn runs_clock(&self, time: f64) -> bool {
+        let step = self.steps.iter().find(|step| time < step.end_time());
+        step.is_some_and(|step| {
+            let modes = step.modes();
+            let mut clocks = self.with_clocks.iter();
+            clocks.any(|&contact| modes[contact] == Mode::Stick)
+        })
     }
 
     /// The modes of the contacts after the end.
@@ -728,6 +743,7 @@ pub(super) fn held_period_map(
         held,
         end,
         steps,
+        with_clocks: form.with_clocks(),
     })
 }
 
@@ -776,11 +792,21 @@ pub(super) fn begun_apart(
 
 /// The middle of the longest time without an event or a touch between two times.
 pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
+    longest(pauses(map, from, to)).unwrap_or(from)
+}
+
+/// The times without an event or a touch between two times.
+pub(super) fn pauses(map: &PeriodMap, from: f64, to: f64) -> impl Iterator<Item = Range<f64>> {
     let mut last = from;
     let times = map.times().into_iter().chain([to]);
-    let gaps = times.map(|time| (std::mem::replace(&mut last, time), time));
-    let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
-    gap.map_or(from, |(from, to)| 0.5 * (from + to))
+    times.map(move |time| std::mem::replace(&mut last, time)..time)
+}
+
+/// The middle of the longest of some times.
+pub(super) fn longest(times: impl Iterator<Item = Range<f64>>) -> Option<f64> {
+    let duration = |times: &Range<f64>| times.end - times.start;
+    let longest = times.max_by(|a, b| duration(a).total_cmp(&duration(b)))?;
+    Some(0.5 * (longest.start + longest.end))
 }
 
 /// Perturbations of the start of a motion, carried on to a time.

@@ -159,8 +159,15 @@ impl FrozenStart {
         let turn = is_free.then(|| sharpest(map, period)).flatten();
         let time = match &turn {
             Some(turn) => turn.time,
-            None if begins_near_event(map, period, FAR) => {
-                map::longest_pause(map, begins, begins + period)
+            None if begins_near_event(map, period, FAR) || map.runs_clock(begins) => {
+                let pauses = || map::pauses(map, begins, begins + period);
+                let calm = pauses().filter(|pause| {
+                    let (from, to) = (pause.start, pause.end);
+                    to - from >= 2.0 * FAR * period && !map.runs_clock(0.5 * (from + to))
+                });
+                map::longest(calm)
+                    .or_else(|| map::longest(pauses()))
+                    .unwrap_or(begins)
             }
             None => begins,
         };
@@ -298,10 +305,11 @@ struct TurningPoint {
     time: f64,
 }
 
-/// The sharpest turning point of an autonomous motion away from events.
+/// The sharpest turning point of an autonomous motion away from events, and at which no clock runs,
+/// if there is one.
 fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
     let n = map.start.displacements.len();
-    let mut sharpest: Option<TurningPoint> = None;
+    let mut sharpest: [Option<TurningPoint>; 2] = [None, None];
     let (speeds, extents) = (map.sizes(), map.extents());
     let turnings: Vec<Turning> = (0..n).map(|i| map.turning(i)).collect();
     for step in &map.steps {
@@ -313,11 +321,12 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
                 let acceleration = velocity.derivative().at(t);
                 let sharpness = acceleration.abs() / speeds[n + coordinate];
                 // The first of several equal ones, in spite of rounding.
-                let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.sharpness);
                 let time = step.start_time() + t;
+                let sharpest = &mut sharpest[usize::from(map.runs_clock(time))];
+                let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.sharpness);
                 let is_sharp = acceleration.abs() * period >= SHARP * extents[n + coordinate];
                 if sharpness > most && is_sharp && !near_events(map, time, period, FAR) {
-                    sharpest = Some(TurningPoint {
+                    *sharpest = Some(TurningPoint {
                         sharpness,
                         sign: acceleration.signum(),
                         turning: turning.clone(),
@@ -328,7 +337,8 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
             });
         }
     }
-    sharpest
+    let [calm, other] = sharpest;
+    calm.or(other)
 }
 
 /// Returns true if an event is near the start of a closed motion; one exactly there may be missing.

@@ -329,10 +329,14 @@ impl Walk<'_, '_> {
         }
         let is_last = [range.start, range.end].contains(&curve.parameter(&place.solved.y));
         let turned = Curve::speed(&place.solved) / Curve::speed(base);
+        // In a motion much smaller than the last one, rounding may turn the curve.
+        if turned < HOPF_PARTS[HOPF_PARTS.len() - 1]
+            && let Some(end) = self.hopf(view, here, &place)
+        {
+            return Ok(end);
+        }
         if turned < -AT_REST {
-            return self
-                .hopf(view, here, &place)
-                .ok_or_else(|| curve.lost(&place.solved.y, &place.solved.trial));
+            return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }
         if turned <= AT_REST {
             // Newton's method has converged to an equilibrium, which is periodic with any period.
