@@ -256,8 +256,8 @@ impl Curve<'_> {
     /// The derivative of the residual by the parameter, by differences between motions with the
     /// same events: central, or one-sided if one side has no such motion.
     ///
-    /// Beside a tangential event the residual, or the clock of a contact in it, bends as strongly as
-    /// a square root. Shorter increments are taken until it is straight over one of them.
+    /// Beside a tangential event the residual bends as strongly as a square root. Increments are
+    /// shortened until it is straight over one of them.
     pub(super) fn by_parameter(
         &self,
         y: &DVector<f64>,
@@ -286,8 +286,8 @@ impl Curve<'_> {
         };
         let is_same =
             |side: &Option<(f64, DVector<f64>, bool)>| side.as_ref().is_some_and(|side| side.2);
-        // The slope over the last increment, and whether its motions have the same events.
-        let mut known: Option<(DVector<f64>, bool)> = None;
+        // The straightest slope, whether its motions have the same events, and its error.
+        let mut best: Option<(DVector<f64>, bool, f64)> = None;
         for part in PARTS {
             let (low, high) = (miss(-part * unit), miss(part * unit));
             let are_same = [is_same(&low), is_same(&high)];
@@ -304,24 +304,34 @@ impl Curve<'_> {
             };
             let change = &above - &below;
             let slope = &change / (b - a);
-            let has_same = are_same != [false, false];
             let limit = STRAIGHT * change.norm() + CLOSED * growth;
-            if are_same == [true, true] {
-                let bend = above + below - trial.map.residual() * 2.0;
-                if bend.norm() <= limit {
-                    return slope;
+            let has_same = are_same != [false, false];
+            let error = match &best {
+                _ if are_same == [true, true] => {
+                    (above + below - trial.map.residual() * 2.0).norm() / limit
                 }
-            } else if let Some((longer, true)) = &known
-                && has_same
-                && (longer - &slope).norm() * (b - a) <= limit
-            {
-                return longer.clone();
+                // No motion with the same events on one side: two increments have to agree.
+                Some((longer, true, _)) if has_same => {
+                    let error = (longer - &slope).norm() * (b - a) / limit;
+                    if error <= 1.0 {
+                        return longer.clone();
+                    }
+                    error
+                }
+                _ => f64::INFINITY,
+            };
+            if has_same && error <= 1.0 {
+                return slope;
             }
-            if has_same || known.is_none() {
-                known = Some((slope, has_same));
+            // At a kink no increment is straight, and the longest loses least to rounding.
+            let is_better = |(_, same, least): &(_, bool, f64)| {
+                (has_same && !same) || (has_same == *same && error < 0.5 * least)
+            };
+            if best.as_ref().is_none_or(is_better) {
+                best = Some((slope, has_same, error));
             }
         }
-        known.map_or_else(|| DVector::zeros(self.order), |(slope, _)| slope)
+        best.map_or_else(|| DVector::zeros(self.order), |(slope, ..)| slope)
     }
 
     /// The Jacobian of the equations in units of the scales, with a row of zeros below; and the

@@ -269,8 +269,8 @@ impl PeriodMap {
         first.map(|step| step.modes())
     }
 
-    /// Returns true if at a time the clock of a contact runs. The derivative of a clock is unbounded
-    /// where the event that started it becomes tangential, though nothing else may depend on it.
+    /// Returns true if the clock of a contact runs at a time. Where the event that started it
+    /// becomes tangential, the derivative of a clock is unbounded, even if little depends on it.
     pub(super) fn runs_clock(&self, time: f64) -> bool {
         let step = self.steps.iter().find(|step| time < step.end_time());
         step.is_some_and(|step| {

@@ -363,8 +363,8 @@ impl Walk<'_, '_> {
         if is_last {
             return Ok(Outcome::Last(place, found));
         }
-        // Nearer to a change of events Newton's method cannot tell its two sides apart: a curve that
-        // turns back there would seem to go on.
+        // Nearer to a change of events Newton's method cannot tell its two sides apart, and a curve
+        // that turns back there would seem to go on.
         let near = |change: f64| place.distance - change < shortest_step(&place.solved);
         if last_change.is_some_and(near) {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
