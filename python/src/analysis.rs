@@ -12,9 +12,9 @@ use stick_slip::{AnyLaw, Coulomb, Dwell, Exponential, MassOnBelt, Polynomial};
 
 use crate::belt::PyBelt;
 use crate::convert::{BeltStart, ComplexNumbers, Numbers};
-use crate::cycle::criticality_name;
 use crate::error::OrRaise;
 use crate::law::{Memory, PyContactLaw, PyLaw};
+use crate::motion::criticality_name;
 use crate::record::record;
 use crate::traced::Traced;
 

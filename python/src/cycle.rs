@@ -7,13 +7,13 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use stick_slip::Error;
-use stick_slip::bifurcation::{Criticality, DiagramPoint};
+use stick_slip::bifurcation::DiagramPoint;
 use stick_slip::limit_cycle::Attractor;
 
 use crate::belt::{Answer, Belt, BeltArgument, Border, Equilibrium, Question, Silencing};
 use crate::convert::{BeltStart, ComplexNumbers, Numbers, short};
 use crate::error::OrRaise;
-use crate::motion::{AnyMotion, PyMotion, entry, iterator};
+use crate::motion::{AnyMotion, PyMotion, criticality_name, entry, iterator};
 use crate::orbit::VibrationRanges;
 use crate::record::record;
 use crate::waiting::{Options, Progress, Waiting, search, work};
@@ -457,14 +457,6 @@ pub fn silencing_stiffness(py: Python<'_>, system: BeltArgument<'_>) -> PyResult
 #[pyfunction]
 pub fn criticality(system: BeltArgument<'_>, velocity: f64) -> &'static str {
     criticality_name(system.system().criticality(velocity))
-}
-
-pub fn criticality_name(criticality: Criticality) -> &'static str {
-    match criticality {
-        Criticality::Supercritical => "supercritical",
-        Criticality::Subcritical => "subcritical",
-        Criticality::Degenerate => "degenerate",
-    }
 }
 
 /// Steady sliding and all limit cycles over belt velocities: a sequence of points.

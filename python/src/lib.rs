@@ -9,6 +9,7 @@ mod convert;
 mod cycle;
 mod drive;
 mod error;
+mod family;
 mod law;
 mod motion;
 mod orbit;

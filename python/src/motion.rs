@@ -8,6 +8,7 @@ use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyIterator, PyList};
+use stick_slip::bifurcation::Criticality;
 use stick_slip::{Element, Ended, EventKind, Mode, Structure, Trajectory, structure};
 
 use crate::convert::{Index, Numbers, Table, short};
@@ -74,6 +75,15 @@ pub fn contact_of(element: Element) -> usize {
     match element {
         Element::Contact(contact) => contact,
         other => unreachable!("an event of {other}"),
+    }
+}
+
+/// The name of a criticality.
+pub fn criticality_name(criticality: Criticality) -> &'static str {
+    match criticality {
+        Criticality::Supercritical => "supercritical",
+        Criticality::Subcritical => "subcritical",
+        Criticality::Degenerate => "degenerate",
     }
 }
 
