@@ -12,6 +12,7 @@
 // | `gauss.rs` | Gauss-Legendre quadrature on one interval |
 // | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
 // | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move; units in which a matrix is balanced |
+// | `exponential.rs` | the exponential of a matrix |
 // | `least_norm.rs` | minimum-norm least-squares solutions of linear systems |
 // | `sort.rs` | sorting by a number, compiled once for all types |
 // | `table.rs` | curves through the points of a table: straight lines or monotone cubics |
@@ -23,6 +24,8 @@ pub(crate) mod bracket;
 pub(crate) mod chebyshev;
 #[cfg(feature = "structures")]
 pub(crate) mod eigenvalues;
+#[cfg(feature = "orbits")]
+pub(crate) mod exponential;
 pub(crate) mod gauss;
 #[cfg(feature = "orbits")]
 pub(crate) mod least_norm;

@@ -3,7 +3,7 @@
 use crate::series::PowerSeries;
 
 /// A coefficient of the variational equations.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Coefficient {
     pub(super) series: PowerSeries,
     /// Number of terms up to the last that is not 0.
@@ -19,6 +19,10 @@ impl From<PowerSeries> for Coefficient {
 }
 
 impl Coefficient {
+    pub(super) fn is_constant(&self) -> bool {
+        self.terms <= 1
+    }
+
     /// The same, as a series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         Self::from(self.series.shifted(time))

@@ -17,7 +17,7 @@ use crate::structure::engine::model::Model;
 
 /// The derivatives of one element along a step: D ∂F_i/∂x_j, then D ∂F_i/∂y_j, a list over i for
 /// each j.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct ElementDerivatives(pub(super) Vec<Vec<Coefficient>>);
 
 impl ElementDerivatives {
@@ -40,6 +40,10 @@ impl ElementDerivatives {
         rates
             .map(|force| product(&factor, force).slope_at(step.duration()))
             .collect()
+    }
+
+    pub(super) fn is_constant(&self) -> bool {
+        self.0.iter().flatten().all(Coefficient::is_constant)
     }
 
     /// The same, as series about a later time.

@@ -1,6 +1,8 @@
 //! The power series of several perturbations, computed together: each sum of the variational
 //! equations is computed for all of them at once, in vector registers.
 
+use nalgebra::DMatrix;
+
 use super::coefficient::Coefficient;
 use super::elements::ElementDerivatives;
 use super::form::GeneralForm;
@@ -57,6 +59,30 @@ impl<'e> Equations<'e> {
             order: form.order(),
             terms: terms.clamp(SHORT, LONG),
         }
+    }
+
+    /// The matrix A of the equations x' = A x at the start of the step.
+    pub(super) fn matrix(self) -> DMatrix<f64> {
+        const WIDTH: usize = 8;
+        let equations = Self { terms: 2, ..self };
+        let mut rows = vec![[[0.0; WIDTH]; LONG]; self.rows()];
+        let mut matrix = DMatrix::zeros(self.order, self.order);
+        for first in (0..self.order).step_by(WIDTH) {
+            for (i, row) in rows[..self.order].iter_mut().enumerate() {
+                row[0] = std::array::from_fn(|lane| f64::from(i == first + lane));
+            }
+            equations.expand(&mut rows);
+            for (lane, mut column) in matrix
+                .columns_mut(first, WIDTH.min(self.order - first))
+                .column_iter_mut()
+                .enumerate()
+            {
+                for (x, row) in std::iter::zip(column.iter_mut(), &rows) {
+                    *x = row[1][lane];
+                }
+            }
+        }
+        matrix
     }
 
     /// Number of rows.

@@ -15,7 +15,7 @@ use crate::structure::engine::factor::Holding;
 use crate::structure::engine::model::Model;
 
 /// The coefficients of the variational equations along one step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Linear {
     /// The derivatives, by the number of the contact.
     pub(super) contacts: Vec<ContactDerivatives>,
@@ -58,7 +58,7 @@ impl Holding {
 }
 
 /// The derivatives at one contact.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct ContactDerivatives {
     /// True if anything depends on r.
     pub(super) takes_slip: bool,
@@ -80,6 +80,12 @@ impl ContactDerivatives {
     /// Returns true if perturbations change the friction force.
     pub(super) fn acts(&self) -> bool {
         !self.friction.is_empty() || self.by_load.is_some()
+    }
+
+    fn is_constant(&self) -> bool {
+        let own = self.friction.iter().chain(&self.by_load);
+        let rates = self.rates.iter().flatten().chain(&self.rates_by_load);
+        own.chain(rates).all(Coefficient::is_constant)
     }
 
     /// Returns true if perturbations of the load change anything.
@@ -127,6 +133,11 @@ impl Linear {
             stuck: (0..model.len()).filter(is_held).collect(),
             holding: model.holding(&sticks),
         }
+    }
+
+    pub(super) fn is_constant(&self) -> bool {
+        self.contacts.iter().all(ContactDerivatives::is_constant)
+            && self.elements.iter().all(ElementDerivatives::is_constant)
     }
 
     /// The same coefficients, as series about a later time.

@@ -659,7 +659,8 @@ pub(super) fn held_period_map(
             break;
         };
         let step = step?;
-        if step.duration() > 0.0 {
+        // Within a phase nothing vanishes.
+        if step.duration() > 0.0 && flow.is_finished() {
             let rates = flow_of(&step, n);
             let rows = dead_rows(&flow.tangents);
             let sticking = held_by(form, step.modes());
@@ -679,6 +680,7 @@ pub(super) fn held_period_map(
         flow.carry(&step)?;
         steps.push(step);
     }
+    flow.finish()?;
     let Some(last) = steps.last() else {
         return Err(Error::InvalidDuration { value: duration });
     };
@@ -841,6 +843,7 @@ pub(super) fn carried(
             break;
         }
     }
+    flow.finish()?;
     Ok(flow.tangents)
 }
 

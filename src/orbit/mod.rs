@@ -7,6 +7,7 @@
 // | `coefficient.rs`, `linear.rs`, `elements.rs` | coefficients of the variational equations along one step, as power series; those of force elements |
 // | `lanes.rs` | power series of several perturbations, side by side |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
+// | `phase.rs` | steps with the same constant coefficients, which one matrix exponential carries |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
 // | `passage.rs` | motions over a duration without derivatives |
@@ -223,6 +224,7 @@ mod oscillator;
 mod passage;
 mod period;
 mod periodic_orbit;
+mod phase;
 mod phase_condition;
 mod pitchfork;
 mod poincare;

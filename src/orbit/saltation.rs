@@ -193,7 +193,7 @@ impl TangentFlow<'_> {
     /// Transforms the tangents at the start of the motion: the law of a contact that slips from r =
     /// 0, or is open, has reset its memory.
     pub(super) fn begin(&mut self, step: &Step) {
-        self.limit_elastic(step);
+        self.limit_elastic(step.modes());
         let model = &self.form.model;
         for (number, contact) in model.contacts.iter().enumerate() {
             if contact.is_elastic() {

@@ -17,10 +17,10 @@ use crate::structure::engine::element::ElementData;
 
 impl TangentFlow<'_> {
     /// Sets δT of the elastic contacts that do not stick: σμ n·δq in slip, 0 while open.
-    pub(super) fn limit_elastic(&mut self, step: &Step) {
+    pub(super) fn limit_elastic(&mut self, modes: &[Mode]) {
         for (c, contact) in self.form.model.contacts.iter().enumerate() {
-            if contact.is_elastic() && step.modes()[c] != Mode::Stick {
-                let side = match step.modes()[c] {
+            if contact.is_elastic() && modes[c] != Mode::Stick {
+                let side = match modes[c] {
                     Mode::Slip(side) => side.sign(),
                     Mode::Stick | Mode::Open => 0.0,
                 };

@@ -9,8 +9,9 @@
 //! closed normal spring adds −d n·δq to the forces. The perturbation of a first-order state
 //! obeys δz' = A_q δq + A_v δv + A_z δz.
 //!
-//! The equations are solved by power series on the steps of the trajectory. A contact that sticks
-//! has δv = 0; events are treated in `saltation.rs`. Each column of a matrix is one perturbation: n
+//! The equations are solved by power series on the steps of the trajectory, or by a matrix
+//! exponential over several of them (`phase.rs`). A contact that sticks has δv = 0; events are
+//! treated in `saltation.rs`. Each column of a matrix is one perturbation: n
 //! displacements, n velocities, the memory variables of the contacts, and first-order states.
 
 use std::borrow::Cow;
@@ -21,6 +22,7 @@ use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::lanes::{Equations, LONG};
 use super::linear::Linear;
+use super::phase::{Phase, ends_phase};
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
@@ -46,6 +48,8 @@ pub(super) struct TangentFlow<'s> {
     has_begun: bool,
     pub(super) start: State,
     work: Vec<f64>,
+    /// The phase under way: the tangents are those at its start.
+    phase: Option<Phase>,
 }
 
 impl<'s> TangentFlow<'s> {
@@ -62,6 +66,7 @@ impl<'s> TangentFlow<'s> {
             form,
             flow: HeldFlow::new(form, settings, time, start, holds)?,
             work: Vec::new(),
+            phase: None,
             tangents,
             depends: vec![false; form.model.remembered()],
             logarithm: None,
@@ -70,9 +75,8 @@ impl<'s> TangentFlow<'s> {
         })
     }
 
-    /// The next step, cut at a time if it is longer. The tangents are those at its start; velocity
-    /// perturbations of a contact that sticks, or that has come to rest there for no time, are
-    /// projected out.
+    /// The next step, cut at a time if it is longer. Velocity perturbations of a contact that
+    /// sticks, or that has come to rest there for no time, are projected out at its start.
     pub(super) fn fetch(&mut self, end: f64) -> Option<Result<Step, Error>> {
         let step = match self.flow.next()? {
             Ok(step) if step.end_time() > end => step.until(end),
@@ -83,9 +87,13 @@ impl<'s> TangentFlow<'s> {
         if let Err(error) = self.form.count(&reached) {
             return Some(Err(error));
         }
-        if step.duration() > 0.0 {
+        let touched = self.flow.touched;
+        let is_within = |phase: &Phase| touched.is_none() && phase.modes == step.modes();
+        if step.duration() > 0.0 && !self.phase.as_ref().is_some_and(is_within) {
+            if let Err(error) = self.finish() {
+                return Some(Err(error));
+            }
             let (n, model) = (self.form.len(), &self.form.model);
-            let touched = self.flow.touched;
             let rests = |c: usize| step.modes()[c] == Mode::Stick || touched == Some(c);
             for c in (0..step.modes().len()).filter(|&c| rests(c)) {
                 if let Some(i) = model.owner_of(c) {
@@ -107,6 +115,8 @@ impl<'s> TangentFlow<'s> {
 
     /// Integrates the tangents from the start of a step to its end, including its events. Events at
     /// the start of the trajectory belong to the step before.
+    ///
+    /// Within a phase the tangents stay those at its start.
     pub(super) fn carry(&mut self, step: &Step) -> Result<(), Error> {
         let mut linear = None;
         if step.duration() > 0.0 {
@@ -114,38 +124,84 @@ impl<'s> TangentFlow<'s> {
                 self.begin(step);
                 self.has_begun = true;
             }
-            let linear = &*linear.insert(Linear::of(&self.form.model, step));
-            let of_memory = linear.contacts.iter().flat_map(|joint| &joint.depends);
-            let states = self.form.model.first_order.iter();
-            let of_memory = of_memory.chain(states.map(|state| &state.acts));
-            for (ever, now) in self.depends.iter_mut().zip(of_memory) {
-                *ever |= now;
+            linear = self.integrate(step)?;
+        }
+        if self.phase.is_some() {
+            if !ends_phase(step) {
+                return Ok(());
             }
-            let rows = self.tangents.nrows();
-            let columns = self.tangents.as_mut_slice().chunks_mut(rows);
-            let mut columns: Vec<_> = columns
-                .filter(|column| column.iter().any(|x| *x != 0.0))
-                .collect();
-            let width = if columns.len() <= FEW { FEW } else { MANY };
-            for columns in columns.chunks_mut(width) {
-                let advance = if width == FEW {
-                    advance::<FEW>
-                } else {
-                    advance::<MANY>
-                };
-                let logarithm = self.logarithm.as_mut();
-                advance(
-                    self.form,
-                    step,
-                    linear,
-                    columns,
-                    (&mut self.work, logarithm),
-                )?;
-            }
-            self.limit_elastic(step);
+            linear = self.finish()?;
         }
         if self.has_begun {
             self.pass(step, linear.as_ref());
+        }
+        Ok(())
+    }
+
+    /// Integrates the tangents over a step without its events, or adds it to a phase; returns its
+    /// coefficients in the first case.
+    fn integrate(&mut self, step: &Step) -> Result<Option<Linear>, Error> {
+        let phase = self.phase.as_mut();
+        if phase.is_some_and(|phase| phase.extend(self.form, step)) {
+            return Ok(None);
+        }
+        self.finish()?;
+        let linear = Linear::of(&self.form.model, step);
+        let of_memory = linear.contacts.iter().flat_map(|joint| &joint.depends);
+        let states = self.form.model.first_order.iter();
+        let of_memory = of_memory.chain(states.map(|state| &state.acts));
+        for (ever, now) in self.depends.iter_mut().zip(of_memory) {
+            *ever |= now;
+        }
+        if self.logarithm.is_none() && linear.is_constant() {
+            self.phase = Some(Phase::new(linear, step));
+            return Ok(None);
+        }
+        let h = step.duration();
+        let reached = |t: f64| Reached::new(step.start_time() + t, step.state_at(t));
+        self.expand((h, &reached), &linear)?;
+        self.limit_elastic(step.modes());
+        Ok(Some(linear))
+    }
+
+    /// Carries the tangents over the phase under way, if there is one, and returns its
+    /// coefficients.
+    pub(super) fn finish(&mut self) -> Result<Option<Linear>, Error> {
+        let Some(phase) = self.phase.take() else {
+            return Ok(None);
+        };
+        let columns = self.tangents.as_slice().chunks(self.tangents.nrows());
+        let perturbations = columns.filter(|column| is_alive(column)).count();
+        match phase.exponential(self.form, perturbations) {
+            Some(exponential) => self.tangents = exponential * &self.tangents,
+            None => {
+                let reached = |_| phase.begins.clone();
+                self.expand((phase.duration, &reached), &phase.linear)?;
+            }
+        }
+        self.limit_elastic(&phase.modes);
+        Ok(Some(phase.linear))
+    }
+
+    /// Returns true if the tangents are those at the end of the last step.
+    pub(super) fn is_finished(&self) -> bool {
+        self.phase.is_none()
+    }
+
+    /// Integrates the tangents by their power series.
+    fn expand(&mut self, stretch: Stretch<'_>, linear: &Linear) -> Result<(), Error> {
+        let rows = self.tangents.nrows();
+        let columns = self.tangents.as_mut_slice().chunks_mut(rows);
+        let mut columns: Vec<_> = columns.filter(|column| is_alive(column)).collect();
+        let width = if columns.len() <= FEW { FEW } else { MANY };
+        for columns in columns.chunks_mut(width) {
+            let advance = if width == FEW {
+                advance::<FEW>
+            } else {
+                advance::<MANY>
+            };
+            let work = (&mut self.work, self.logarithm.as_mut());
+            advance(self.form, stretch, linear, columns, work)?;
         }
         Ok(())
     }
@@ -161,6 +217,10 @@ impl<'s> TangentFlow<'s> {
     }
 }
 
+fn is_alive(perturbation: &[f64]) -> bool {
+    perturbation.iter().any(|x| *x != 0.0)
+}
+
 /// The rates of change of all coordinates at the start of a step.
 pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
     let velocities = step.state().velocities.iter().copied();
@@ -168,12 +228,14 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
     DVector::from_iterator(n + step.series().len(), velocities.chain(rates))
 }
 
-/// Integrates perturbations, each in a slice, over a step of length h. If their own series converge
-/// over less than h, as on a steady motion of any length, the step is taken in parts, each counted
-/// as a step.
+/// A time, and the state of the motion after a part of it.
+type Stretch<'a> = (f64, &'a dyn Fn(f64) -> Reached);
+
+/// Integrates perturbations, each in a slice, over a time h. If their own series converge over less
+/// than h, as on a steady motion of any length, it is taken in parts, each counted as a step.
 fn advance<const W: usize>(
     form: &GeneralForm<'_>,
-    step: &Step,
+    (h, reached): Stretch<'_>,
     linear: &Linear,
     columns: &mut [&mut [f64]],
     (work, mut logarithm): (&mut Vec<f64>, Option<&mut f64>),
@@ -182,7 +244,6 @@ fn advance<const W: usize>(
     const LINE: usize = 8;
     /// The shortest part of a step.
     const SHORTEST: f64 = 1e-9;
-    let h = step.duration();
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
     // At the start of a line of the cache: registers as long as a line are loaded at once from
@@ -221,7 +282,7 @@ fn advance<const W: usize>(
         }
         left -= part;
         terms = equations.terms_for(left, part);
-        let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
+        let reached = || reached(h - left);
         if part < SHORTEST * h {
             return Err(form.too_many(reached()));
         }

@@ -1,6 +1,7 @@
 //! The derivative of the map over a time against differences of motions, for random structures.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
 
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::{State, Step};
@@ -442,5 +443,60 @@ fn a_contact_that_a_jump_of_the_load_closes_has_the_derivative_of_the_closed_for
         // Some rounding errors of entries of size 2.
         let error = (found - &expected).amax();
         assert!(error < 1e-14, "{load}: {error:e}");
+    }
+}
+
+/// Linear structures with full matrices, in closed form: with K = Q diag(ω²) Qᵀ, C = Q diag(2ζω) Qᵀ
+/// and a reflection Q the multipliers are e^{λT}, λ = (−ζ ± i√(1 − ζ²)) ω. Rates differ by up to
+/// two orders; in the longest periods the fastest mode has 10⁴ radians.
+#[test]
+fn multipliers_of_linear_structures_are_exponentials() {
+    let mut draw = Draw(Random::new(97));
+    for round in 0..count(40, 1000) {
+        let n = 1 + round % 8;
+        let spread = [0.5, 1.0, 2.0][round % 3];
+        let normal = DVector::from_fn(n, |_, _| draw.uniform(-1.0, 1.0)).normalize();
+        let turn = DMatrix::identity(n, n) - &normal * normal.transpose() * 2.0;
+        let rate = |_: usize, _: usize| 10_f64.powf(draw.uniform(-spread, 0.0));
+        let rates = DVector::from_fn(n, rate);
+        let ratio = draw.uniform(1e-4, 0.9);
+        let of = |values: DVector<f64>| {
+            let full = &turn * DMatrix::from_diagonal(&values) * turn.transpose();
+            (&full + full.transpose()) * 0.5
+        };
+        let radians = 10_f64.powf(draw.uniform(0.0, 4.0));
+        let force = Drive::harmonic(1.0, TAU / radians, 0.3).unwrap();
+        let structure = Structure::with_mass_matrix(DMatrix::identity(n, n))
+            .and_then(|of_mass| of_mass.with_stiffness(of(rates.map(|rate| rate * rate))))
+            .and_then(|sprung| sprung.with_damping(of(rates.map(|rate| 2.0 * ratio * rate))))
+            .and_then(|damped| damped.with_force(0, force))
+            .unwrap();
+        let (_, map) = monodromy(&structure, &State::at_rest(n), radians).unwrap();
+        // In the coordinates of the modes, and in units of energy.
+        let mut blocks = DMatrix::zeros(2 * n, 2 * n);
+        for (i, omega) in rates.iter().enumerate() {
+            let frequency = omega * (1.0 - ratio * ratio).sqrt();
+            let decay = (-ratio * omega * radians).exp();
+            let (sine, cosine) = (frequency * radians).sin_cos();
+            let part = ratio * omega / frequency * sine;
+            blocks[(i, i)] = decay * (cosine + part);
+            blocks[(i, n + i)] = decay * sine * omega / frequency;
+            blocks[(n + i, i)] = -decay * sine * omega / frequency;
+            blocks[(n + i, n + i)] = decay * (cosine - part);
+        }
+        let mut modes = DMatrix::zeros(2 * n, 2 * n);
+        for (j, omega) in rates.iter().enumerate() {
+            for i in 0..n {
+                modes[(i, j)] = turn[(i, j)] / omega;
+                modes[(n + i, n + j)] = turn[(i, j)];
+            }
+        }
+        let inverse = modes.clone().try_inverse().unwrap();
+        let found = inverse * map * modes;
+        // Rounding of K alone turns the slowest mode by about ε ω_max² T/ω_min.
+        let error = (found - blocks).amax();
+        let fastest = (rates.amax() * radians).max(1.0);
+        let bound = 8.0 * f64::EPSILON * fastest * rates.amax() / rates.amin();
+        assert!(error < bound, "{round}: {error:e} above {bound:e}");
     }
 }

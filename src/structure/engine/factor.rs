@@ -14,7 +14,7 @@ pub(crate) struct Factor {
 
 /// Sticking contacts that share coordinates and whose directions are independent, with the factor
 /// of their G.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Holding {
     pub(crate) contacts: Vec<usize>,
     pub(crate) factor: Factor,

@@ -105,6 +105,18 @@ pub(super) enum Target {
 }
 
 impl<'s> Model<'s> {
+    /// Returns true if all forces are linear while contacts are in these modes.
+    pub(crate) fn is_linear(&self, modes: &[Mode]) -> bool {
+        let contacts = std::iter::zip(&self.contacts, modes);
+        let mut contacts = contacts.map(|(contact, mode)| match mode {
+            Mode::Open => true,
+            _ if contact.is_elastic() => true,
+            Mode::Stick => contact.memory.is_empty(),
+            Mode::Slip(_) => contact.memory.is_empty() && contact.law.constant().is_some(),
+        });
+        self.elements.is_empty() && contacts.all(|is_linear| is_linear)
+    }
+
     /// A mass on a belt as a structure.
     pub(crate) fn of_belt<L: FrictionLaw>(belt: &'s MassOnBelt<L>) -> Self {
         let one = |entry: f64| DMatrix::from_element(1, 1, entry);
