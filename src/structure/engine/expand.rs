@@ -43,20 +43,22 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
     if !forces_vary {
         return;
     }
-    for (i, coordinate) in series.coordinates.iter_mut().enumerate() {
-        if !model.is_driven[i] {
-            continue;
-        }
-        let (diagonal, beside) = model.inverse_mass.row(i);
-        let own = &model.forces[i];
-        coordinate.force = if own.is_constant() {
-            PowerSeries::of(own.value(0.0) * diagonal)
-        } else {
-            own.series(clock).scaled(diagonal)
+    let driven = |i: &usize| model.is_driven[*i];
+    for i in (0..model.len()).filter(driven) {
+        series.coordinates[i].force = PowerSeries::ZERO;
+    }
+    // M⁻¹ is symmetric: the rows of a force are its columns.
+    for (j, force) in model.forces.iter().enumerate() {
+        let force = match force.is_constant() {
+            true if force.value(0.0) == 0.0 => continue,
+            true => PowerSeries::of(force.value(0.0)),
+            false => force.series(clock),
         };
-        for &(j, a) in beside {
-            let force = model.forces[j].series(clock);
-            coordinate.force.add(a, &force);
+        let (diagonal, beside) = model.inverse_mass.row(j);
+        for &(i, a) in std::iter::once(&(j, diagonal)).chain(beside) {
+            if model.is_driven[i] {
+                series.coordinates[i].force.add(a, &force);
+            }
         }
     }
     for (given, &j) in std::iter::zip(&mut series.given, &model.sprung) {
