@@ -28,7 +28,7 @@ use std::ops::Range;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::orbit::{self, BifurcationKind, Branch, BranchPoint, Period, Search};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, Segment, Structure, Trajectory};
+use stick_slip::{Contact, Coulomb, Drive, Error, Integrator, Segment, Structure};
 
 // Steel, in metres, kilograms and seconds.
 const LENGTH: f64 = 0.4;
@@ -152,18 +152,23 @@ pub(crate) fn second_mode() -> Option<(f64, DVector<f64>)> {
     Some((modes.eigenvalues[mode].sqrt() / TAU, &shape / shape[1]))
 }
 
-/// Times and values of the turning points of the second bending shape; whether each is a maximum.
-fn turns(motion: &Trajectory<State>) -> Vec<(f64, f64, bool)> {
-    let turns = motion.steps().iter().filter_map(|step| {
+/// Times and values of the maxima of the second bending shape. The steps are not kept: they would
+/// fill half a gigabyte.
+fn maxima(beam: &Structure, start: State, end: f64) -> Result<Vec<(f64, f64)>, Error> {
+    let mut maxima = Vec::new();
+    for step in Integrator::new().flow(beam, start)? {
+        let step = step?;
+        if step.start_time() >= end {
+            break;
+        }
         let [before, after] = [step.state(), &step.end_state()].map(|state| state.velocities[1]);
-        let time = step.duration() * before / (before - after);
-        let turns = (before > 0.0) != (after > 0.0);
-        turns.then(|| {
+        if before > 0.0 && after <= 0.0 {
+            let time = step.duration() * before / (before - after);
             let displacement = step.state_at(time).displacements[1];
-            (step.start_time() + time, displacement, before > 0.0)
-        })
-    });
-    turns.collect()
+            maxima.push((step.start_time() + time, displacement));
+        }
+    }
+    Ok(maxima)
 }
 
 /// A free decay in the second mode, from an amplitude at which all pads open: amplitude, frequency
@@ -173,8 +178,7 @@ pub(crate) fn decay(window: usize, step: usize) -> Result<Vec<[f64; 3]>, Error> 
     let (natural, shape) = second_mode().expect("the mass matrix is positive definite");
     let start: Vec<f64> = (&shape * 2.5e-4).iter().copied().collect();
     let start = State::new(&start, &[0.0; SHAPES]);
-    let motion = beam(0.0, natural)?.simulate(start, 900.0 / natural)?;
-    let maxima: Vec<_> = turns(&motion).into_iter().filter(|turn| turn.2).collect();
+    let maxima = maxima(&beam(0.0, natural)?, start, 900.0 / natural)?;
     let windows = maxima.windows(window + 1).step_by(step).map(|part| {
         let (begin, end) = (part[0], part[window]);
         let frequency = window as f64 / (end.0 - begin.0);
