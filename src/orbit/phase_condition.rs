@@ -245,11 +245,12 @@ impl FrozenStart {
     pub(super) fn of(&self, form: &GeneralForm<'_>, y: &DVector<f64>, period: f64) -> (f64, State) {
         let time = self.phase * period;
         let mut start = state(&y.rows(0, form.order()).into_owned(), form.len());
-        form.put_in_modes(&mut start, time, &|c| self.modes.get(c).copied());
         let condition = self.condition.as_ref();
         if let Some(turning) = condition.and_then(|condition| condition.turning.as_ref()) {
             turning.impose(&mut start.velocities);
         }
+        // Last, as rest at a contact may take more than one of the velocities.
+        form.put_in_modes(&mut start, time, &|c| self.modes.get(c).copied());
         (time, start)
     }
 
