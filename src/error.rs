@@ -27,7 +27,7 @@ pub use structure::{Element, NotSliding};
 /// |---|---|
 /// | constructors of laws and of a [`MassOnBelt`](crate::MassOnBelt) | [`InvalidParameter`](Self::InvalidParameter), [`BadPoint`](Self::BadPoint), [`StaticBelowKinetic`](Self::StaticBelowKinetic), [`NonFiniteFriction`](Self::NonFiniteFriction), [`BadBreakpoints`](Self::BadBreakpoints) |
 /// | every motion | [`InvalidState`](Self::InvalidState), [`InvalidTolerance`](Self::InvalidTolerance), [`InvalidDuration`](Self::InvalidDuration), [`NonFiniteFriction`](Self::NonFiniteFriction), [`NotAnalytic`](Self::NotAnalytic), [`StepUnderflow`](Self::StepUnderflow), [`TooManySteps`](Self::TooManySteps), [`TooManyEvents`](Self::TooManyEvents) |
-/// | constructors of a [`Structure`](crate::Structure) | [`BadElement`](Self::BadElement), [`NoSuchCoordinate`](Self::NoSuchCoordinate), [`NoSuchState`](Self::NoSuchState), [`WrongSize`](Self::WrongSize), [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite), [`BadDirection`](Self::BadDirection), [`LawNotConstant`](Self::LawNotConstant), [`BeltVelocityJumps`](Self::BeltVelocityJumps) |
+/// | constructors of a [`Structure`](crate::Structure) | [`BadElement`](Self::BadElement), [`NoSuchCoordinate`](Self::NoSuchCoordinate), [`NoSuchState`](Self::NoSuchState), [`WrongSize`](Self::WrongSize), [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite), [`BadDirection`](Self::BadDirection), [`RigidStop`](Self::RigidStop), [`LawNotConstant`](Self::LawNotConstant), [`BeltVelocityJumps`](Self::BeltVelocityJumps) |
 /// | motions of a [`Structure`](crate::Structure), also of its steady sliding | [`WrongSize`](Self::WrongSize), [`OverLimit`](Self::OverLimit), [`Separation`](Self::Separation), [`TooManyMechanisms`](Self::TooManyMechanisms), [`Jammed`](Self::Jammed), [`WrongWay`](Self::WrongWay), [`NoSteadySliding`](Self::NoSteadySliding), [`NonFiniteForce`](Self::NonFiniteForce), [`NotAnalyticForce`](Self::NotAnalyticForce), [`NonFiniteRate`](Self::NonFiniteRate), [`NotAnalyticRate`](Self::NotAnalyticRate) |
 /// | searches along a parameter | [`At`](Self::At), [`Stopped`](Self::Stopped) |
 /// | searches of [`orbit`](crate::orbit) | [`NotPeriodic`](Self::NotPeriodic), [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree), [`AtRest`](Self::AtRest), [`NoHopfPoint`](Self::NoHopfPoint), [`NoSwitch`](Self::NoSwitch), [`NotSmooth`](Self::NotSmooth), [`NoDerivative`](Self::NoDerivative) |
@@ -367,11 +367,11 @@ pub enum Error {
         row: usize,
     },
 
-    /// The direction of a contact or of a force element is not valid: each coordinate must occur
-    /// only once, and the coefficients must be finite and not all 0.
+    /// The direction of a contact, a force element or a stop is not valid: each coordinate must
+    /// occur only once, and the coefficients must be finite and not all 0.
     #[error(
-        "the direction {direction:?} of a contact or force element is not allowed: give at least \
-         one pair (coordinate, b) with finite b ≠ 0, and each coordinate only once"
+        "the direction {direction:?} of a contact, force element or stop is not allowed: give at \
+         least one pair (coordinate, b) with finite b ≠ 0, and each coordinate only once"
     )]
     BadDirection {
         /// The direction that was given.
@@ -421,6 +421,17 @@ pub enum Error {
          the imaginary axis; give a value closer to a Hopf point"
     )]
     NoHopfPoint,
+
+    /// A stop has no contact stiffness: rigid stops are not available.
+    #[error(
+        "stop {stop} is rigid, and rigid impacts are not available: give its stiffness and damping \
+         by `Stop::with_contact_stiffness(k, c)`; the page of `Stop` says which damping has the \
+         rebound of a restitution"
+    )]
+    RigidStop {
+        /// The number that the stop would have.
+        stop: usize,
+    },
 
     /// Too many contacts with linearly dependent directions are at rest at the same time. The ways
     /// in which some of them can begin to slip are found by trying sets of them.

@@ -188,6 +188,16 @@
 //!   of the system with coordinates, and those of differences:
 //!   `orbit::first_order::multipliers_are_those_of_coordinates_in_place_of_states`,
 //!   `orbit::first_order::monodromy_is_the_derivative_of_the_period_map`.
+//! * **Stops** close and open at roots, as other events. A free mass rebounds as the closed forms
+//!   say, two stops without damper are a [`Backlash`](crate::Backlash), the heat of their dampers
+//!   closes the energy balance, and a motion continues from each of its states:
+//!   `structures::stops::a_free_mass_rebounds_as_the_formulas_say`,
+//!   `structures::stops::two_stops_without_damper_are_backlash`,
+//!   `structures::stops::energies_and_samples_of_stops`,
+//!   `structures::stops::motions_continue_from_their_states`. The reference motions with stops
+//!   agree as those without: `structures::trajectories::stops_have_the_reference_events_and_states`. A
+//!   stop that is never reached changes no bit:
+//!   `structures::stops::a_stop_out_of_reach_changes_nothing`.
 //! * **Steady sliding with force elements** is one of several solutions, found by Newton's method
 //!   from given displacements; no completeness is promised:
 //!   `structures::forces::steady_sliding_is_found_with_nonlinear_forces`.

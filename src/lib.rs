@@ -75,7 +75,7 @@
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
 //! | a pendulum | [`Pendulum`]; its pivot is at rest |
 //! | gear play, backlash | [`Backlash`] |
-//! | a stop | elastic: [`Backlash`] with the stiffness of the stop; rigid impacts are not available |
+//! | a stop, an impact, a loose gear with damping | [`Stop`], a spring and a damper behind a gap; what to take for a rigid stop: [rigid stops](Stop#rigid-stops) |
 //! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`] |
 //! | a stiffness that varies in time (gear mesh, Mathieu's equation) | [`ForceElement::with_factor`], with the law [`PolynomialSpring`] of one coefficient |
 //! | a controller | integral action (PID), a motor's current, an actuator, a filter: [`FirstOrder`]; proportional feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; nonlinear feedback: your own [`ForceField`], or a law in a [`FirstOrder`]; delays are not available |
@@ -188,8 +188,8 @@
 //! `structures` and `orbits` are on by default. Without them there is one mass on a belt, with all
 //! its searches and formulas, and `nalgebra` is not needed: `default-features = false`.
 //!
-//! * `structures`: adds [`structure`], [`Structure`], [`Contact`], [`ForceElement`], [`FirstOrder`]
-//!   and [`Drive`].
+//! * `structures`: adds [`structure`], [`Structure`], [`Contact`], [`ForceElement`], [`Stop`],
+//!   [`FirstOrder`] and [`Drive`].
 //! * `orbits`: adds [`orbit`] and [`bifurcation::hopf_locus`], and turns on `structures`.
 //! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes, but
 //!   does not read, equilibria, cycles and diagrams. `schema` lists the names.
@@ -290,7 +290,7 @@ pub use scaling::{Physical, Scaling};
 pub use search::{Progress, Search};
 pub use state::{Direction, State};
 #[cfg(feature = "structures")]
-pub use structure::{Contact, FirstOrder, ForceElement, Structure};
+pub use structure::{Contact, FirstOrder, ForceElement, Stop, Structure};
 
 /// Compiles the program of the README as a test.
 #[cfg(doctest)]

@@ -50,10 +50,11 @@
 //! | [`Drive`](crate::Drive) | all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value]; a drive with a function of your own is not written | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`; `law`: a map from the name of the law to the law, see below; `load`: a drive; optional: the fields of the next row | yes |
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
-//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements`, `first_orders` (none) | yes |
+//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements`, `stops`, `first_orders` (none) | yes |
 //! | [`ForceElement`](crate::ForceElement) | `direction`: a list of [coordinate, coefficient]; `law`: a map from the name of the law to the law, see below; optional: `factor` (1): a drive | yes |
+//! | [`Stop`](crate::Stop) | `direction`: a list of [coordinate, coefficient]; `gap`; `contact_stiffness`: [stiffness, damping]; optional: `restitution` (0), `adhesive` (false) | yes |
 //! | [`FirstOrder`](crate::FirstOrder) | all optional: `time_constant` (an integrator); `displacements`, `velocities`, `states`, `forces` (none): lists of [number, gain]; `drive` (0): a drive; `laws` (none): a list of maps with `law`, a map as in the row before, and `of`: `{"direction": [[coordinate, coefficient], …]}` or `{"state": number}` | yes |
-//! | [`Event`](crate::Event) | `time`, `element`: `{"contact": 0}`, by its number; `kind`, `state` | yes |
+//! | [`Event`](crate::Event) | `time`, `element`: `{"contact": 0}` or `{"stop": 0}`, by its number; `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`; with the direction: `release`, `crossing` | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
 //! | [`Direction`](crate::Direction) | `lagging`, `leading` | yes |

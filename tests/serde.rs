@@ -10,7 +10,7 @@ use stick_slip::{
     Directional, Drive, Dwell, Error, Event, EventKind, Exponential, FirstOrder, ForceElement,
     ForceLaw, Freewheel, FrictionLaw, Iwan4, LimitCycle, LuGre, MassOnBelt, Mode, Pendulum,
     Physical, Polynomial, PolynomialSpring, RateState, RateState2, Rational, Scalar, Scaled,
-    Scaling, SnapThrough, Stability, State, Stribeck, Structure, Tabulated, TabulatedForce,
+    Scaling, SnapThrough, Stability, State, Stop, Stribeck, Structure, Tabulated, TabulatedForce,
     TimeFunction, VanDerPol, limit_cycle, structure,
 };
 
@@ -1023,4 +1023,35 @@ fn samples_orbits_branches_and_sweeps_are_written() {
         value[2]["state"]["velocities"][0].as_f64(),
         Some(samples[2].state.velocities[0])
     );
+}
+
+/// Stops, and the events of a motion that closes one.
+#[test]
+fn stops_there_and_back() {
+    let stop = Stop::above(1, 0.5, 0.25)
+        .and_then(|stop| stop.with_contact_stiffness(40.0, 1.5))
+        .unwrap();
+    let plain = r#"{"direction":[[1,-1.0]],"gap":0.5,"restitution":0.25,"#.to_owned();
+    let stiff = format!(r#"{plain}"contact_stiffness":[40.0,1.5]"#);
+    there_and_back! {
+        stop => format!("{stiff}}}");
+        stop.clone().adhesive() => format!(r#"{stiff},"adhesive":true}}"#);
+    }
+    let structure = Structure::new(&[1.0, 2.0])
+        .and_then(|s| s.with_stop(stop))
+        .unwrap();
+    let text = there_and_back(&structure);
+    assert!(text.contains(r#""stops":[{"#), "{text}");
+    let start = structure::State::new(&[0.0, 0.0], &[0.0, 1.0]);
+    let events = structure.simulate(start, 1.0).unwrap().events().to_vec();
+    let text = there_and_back(&events);
+    assert!(
+        text.contains(r#""element":{"stop":0},"kind":"close""#),
+        "{text}"
+    );
+    refuse! {
+        Stop: format!(r#"{plain}"contact_stiffness":[-1,0]}}"#), "stiffness > 0";
+        Stop: r#"{"direction":[[0,1]],"gap":1,"restitution":2}"#, "0 ≤ restitution ≤ 1";
+        Structure: r#"{"masses":[1],"stops":[{"direction":[[0,1]],"gap":1}]}"#, "stop 0 is rigid";
+    }
 }

@@ -25,6 +25,8 @@ pub enum Element {
     Damping(usize, usize),
     /// The force on a coordinate, by the coordinate.
     Force(usize),
+    /// A [stop](crate::structure::Stop), by its number.
+    Stop(usize),
     /// A contact, by its number; 0 for a [`MassOnBelt`](crate::MassOnBelt), which has only one.
     Contact(usize),
     /// A [force element](crate::ForceElement), by its number.
@@ -51,6 +53,7 @@ impl std::fmt::Display for Element {
             Self::Stiffness(i, j) => write!(f, "stiffness ({i}, {j})"),
             Self::Damping(i, j) => write!(f, "damping ({i}, {j})"),
             Self::Force(i) => write!(f, "force on coordinate {i}"),
+            Self::Stop(i) => write!(f, "stop {i}"),
             Self::Contact(i) => write!(f, "contact {i}"),
             Self::ForceElement(i) => write!(f, "force element {i}"),
             Self::FirstOrder(i) => write!(f, "first-order state {i}"),
@@ -121,11 +124,11 @@ pub enum NotSliding {
         /// The part of the load, from 0 to 1, up to which an equilibrium was found.
         load: f64,
     },
-    /// The position of a force element is exactly on a breakpoint of its law, so that its stiffness
-    /// differs on both sides.
+    /// The position of a force element is exactly on a breakpoint of its law, or a stop just
+    /// touches, so that the stiffness differs on both sides.
     AtBreakpoint {
-        /// Number of the element.
-        element: usize,
+        /// The force element or the stop.
+        element: Element,
         /// The position x.
         position: f64,
     },
@@ -196,8 +199,8 @@ impl std::fmt::Display for NotSliding {
             ),
             Self::AtBreakpoint { element, position } => write!(
                 f,
-                "force element {element} is on a breakpoint of its law, at {}: its stiffness \
-                 differs on both sides; change a load slightly",
+                "{element} is on a breakpoint of its law, at {}: its stiffness differs on both \
+                 sides; change a load slightly",
                 Plain(*position)
             ),
             Self::Singular => f.write_str(

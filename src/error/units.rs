@@ -128,6 +128,7 @@ impl Error {
             | Self::NotSmooth
             | Self::NoSwitch { .. }
             | Self::NoDerivative { .. }
+            | Self::RigidStop { .. }
             | Self::TooManyMechanisms { .. }
             | Self::Jammed { .. }
             | Self::WrongWay { .. }

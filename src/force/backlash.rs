@@ -13,6 +13,8 @@ use crate::scalar::Scalar;
 /// The positions ±g are [breakpoints](ForceLaw::breakpoints). With g = 0 it is the linear spring of
 /// stiffness k.
 ///
+/// With a damper in each flank it is a pair of [stops](crate::Stop).
+///
 /// Source: Kahraman and Singh, *J. Sound Vib.* 142 (1990) 49-75; Theodossiades and Natsiavas, *J.
 /// Sound Vib.* 229 (2000) 287-310.
 ///

@@ -5,6 +5,7 @@
 // | `mod.rs` | `ForceLaw` of one direction, `ForceField` of several: the traits of every law |
 // | `polynomial_spring.rs`, `pendulum.rs`, `backlash.rs`, `snap_through.rs`, `van_der_pol.rs` | the laws with a formula |
 // | `tabulated_force.rs` | measured points |
+// | `stop.rs` | a stop with spring and damper, for `structure::Stop` |
 // | `named.rs`, `read.rs` | any of these laws; how they are read (feature `serde`) |
 // | `object.rs` | a law as a trait object, for the engine |
 // | `check.rs` | checks of a law before it is used |
@@ -18,6 +19,7 @@ mod polynomial_spring;
 #[cfg(feature = "serde")]
 mod read;
 mod snap_through;
+pub(crate) mod stop;
 mod tabulated_force;
 mod van_der_pol;
 

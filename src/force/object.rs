@@ -79,6 +79,7 @@ trait Forces {
 }
 
 /// A law of one direction.
+#[derive(Clone, Copy)]
 pub(crate) struct OneDirection<L>(pub(crate) L);
 
 /// A field.

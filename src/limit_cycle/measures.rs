@@ -186,6 +186,7 @@ impl LimitCycle {
             normal_work: 0.0,
             element_work: 0.0,
             first_order_work: 0.0,
+            stop_loss: 0.0,
             circulation: 0.0,
             drive_work: in_full(drive_work),
             belt_work: in_full(damper_loss),

@@ -4,7 +4,7 @@
 /// ```text
 /// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n) + Σ D U,    K_s = (K + Kᵀ)/2
 /// stored = Σ force_work + Σ drive_work + Σ normal_work + Σ element_work + Σ first_order_work
-///          + circulation − damper_loss − Σ friction_loss
+///          + circulation − damper_loss − Σ friction_loss − Σ stop_loss
 /// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        for each contact
 /// ```
 ///
@@ -16,7 +16,8 @@
 /// The symbols are those of [`Structure`](crate::Structure) and [`Contact`](crate::Contact). λ is
 /// the friction force of a contact; in an elastic contact of stiffness k_t it is T. N and k_n are
 /// the load and the stiffness of a normal spring. U is the potential of a [force
-/// element](crate::ForceElement), 0 if its law has none, and D its factor. Friction exerts the
+/// element](crate::ForceElement), 0 if its law has none, and D its factor; of a
+/// [stop](crate::Stop) it is ½kδ² where δ > 0, and D = 1. Friction exerts the
 /// force −b λ on the coordinates and the force λ on the surface, which moves with the velocity w. Δ
 /// is the change over the motion. The unit is force times displacement. For a mass on a belt
 /// energies are dimensionless, and [`Scaling`](crate::Scaling) converts them to joules:
@@ -81,6 +82,9 @@ pub struct EnergyBudget<C = Vec<f64>> {
     pub element_work: C,
     /// Work of the forces of each [first-order state](crate::FirstOrder), ∫ z Σ b_i v_i dt.
     pub first_order_work: C,
+    /// Heat in the damper of each [stop](crate::Stop), ∫ (F − kδ) δ' dt while δ > 0. After a force
+    /// that never pulls has ended, its spring relaxes against the damper.
+    pub stop_loss: C,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,
     /// Work of the skew-symmetric part of the stiffness matrix, −∫ vᵀ(K − Kᵀ)q/2 dt; 0 if K is
@@ -91,9 +95,9 @@ pub struct EnergyBudget<C = Vec<f64>> {
 impl EnergyBudget {
     /// Residual of the energy balance: `stored` − (Σ `force_work` + Σ `drive_work` + Σ
     /// `normal_work` + Σ `element_work` + Σ `first_order_work` + `circulation`) + `damper_loss` + Σ
-    /// `friction_loss`. `belt_work` is no term of its own, because `drive_work` contains it. With
-    /// the default tolerance of the integrator the residual consists of rounding errors. With a
-    /// larger tolerance it estimates the error of the motion.
+    /// `friction_loss` + Σ `stop_loss`. `belt_work` is no term of its own, because `drive_work`
+    /// contains it. With the default tolerance of the integrator the residual consists of rounding
+    /// errors. With a larger tolerance it estimates the error of the motion.
     pub fn defect(&self) -> f64 {
         let work = [
             &self.force_work,
@@ -103,7 +107,8 @@ impl EnergyBudget {
             &self.first_order_work,
         ];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
-        let losses = self.friction_loss.iter().sum::<f64>() + self.damper_loss;
+        let losses = self.friction_loss.iter().chain(&self.stop_loss);
+        let losses = losses.sum::<f64>() + self.damper_loss;
         self.stored - (work - losses)
     }
 }

@@ -91,8 +91,8 @@ pub enum BifurcationKind {
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: quasi-periodic motions on a torus are born.
     NeimarkSacker,
-    /// A slipping contact reaches relative velocity 0 tangentially, or the force of a sticking
-    /// contact reaches its limit tangentially. Two new events appear.
+    /// A slipping contact reaches relative velocity 0 tangentially, the force of a sticking contact
+    /// reaches its limit tangentially, or a stop is just touched. Two new events appear.
     Grazing,
     /// One event changes into others (for example, a crossing into stick and release), or two
     /// events of different contacts change their order.

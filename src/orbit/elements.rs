@@ -4,8 +4,9 @@
 //! M δv' = … − Σ_i a_i D Σ_j (∂F_i/∂x_j a_j·δq + ∂F_i/∂y_j a_j·δv)
 //! ```
 //!
-//! The forces are continuous, and passages of breakpoints change their slopes only: the saltation
-//! matrix of a passage is S = I.
+//! The forces of force elements are continuous, and passages of breakpoints change their slopes
+//! only: the saltation matrix of a passage is S = I. That of a stop whose force jumps is in
+//! `saltation.rs`.
 
 use super::coefficient::{Coefficient, product};
 use crate::force::object::Place;
@@ -21,8 +22,10 @@ use crate::structure::engine::model::Model;
 pub(super) struct ElementDerivatives(pub(super) Vec<Vec<Coefficient>>);
 
 impl ElementDerivatives {
-    pub(super) fn of(model: &Model<'_>, element: &ElementData<'_>, step: &Step) -> Self {
-        let along = Along::of(model, element, step);
+    /// Those of element number `e`.
+    pub(super) fn of(model: &Model<'_>, e: usize, step: &Step) -> Self {
+        let element = &model.elements[e];
+        let along = Along::of(model, e, step);
         let factor = element.factor.series(step.clock());
         let by = |by: usize| {
             let slopes = element.law.derivative(along.place(), by);
@@ -32,10 +35,11 @@ impl ElementDerivatives {
         Self((0..2 * element.directions.len()).map(by).collect())
     }
 
-    /// The rate of each D F_i at the end of a step.
-    pub(super) fn rates(model: &Model<'_>, element: &ElementData<'_>, step: &Step) -> Vec<f64> {
+    /// The rate of each D F_i of element number `e` at the end of a step.
+    pub(super) fn rates(model: &Model<'_>, e: usize, step: &Step) -> Vec<f64> {
+        let element = &model.elements[e];
         let factor = element.factor.series(step.clock());
-        let forces = element.law.series(Along::of(model, element, step).place());
+        let forces = element.law.series(Along::of(model, e, step).place());
         let rates = forces.iter();
         rates
             .map(|force| product(&factor, force).slope_at(step.duration()))
@@ -64,7 +68,10 @@ struct Along {
 }
 
 impl Along {
-    fn of(model: &Model<'_>, element: &ElementData<'_>, step: &Step) -> Self {
+    fn of(model: &Model<'_>, e: usize, step: &Step) -> Self {
+        let element = &model.elements[e];
+        let stop = e.checked_sub(model.first_stop());
+        let piece = stop.map(|stop| step.stops()[stop]);
         // The law of a first-order state, by its value.
         if let [(j, 1.0)] = element.directions[0][..]
             && j >= model.len()
@@ -72,7 +79,7 @@ impl Along {
             let value = step.series().get(model.position_row(j) - model.len());
             let positions = vec![value.copied().unwrap_or(PowerSeries::ZERO)];
             let velocities = vec![PowerSeries::ZERO];
-            return Self::on_piece(element, positions, velocities, step);
+            return Self::on_piece((element, piece), positions, velocities, step);
         }
         let start = element.along(|j| step.state().displacements[j]);
         let series = |k: usize| element.along(|j| step.series().get(j).map_or(0.0, |v| v[k]));
@@ -89,17 +96,18 @@ impl Along {
             })
         });
         let positions: Vec<PowerSeries> = positions.collect();
-        Self::on_piece(element, positions, velocities, step)
+        Self::on_piece((element, piece), positions, velocities, step)
     }
 
-    /// With the piece of the law that holds in the step.
+    /// With the piece of the law that holds in the step: that of a stop is given.
     fn on_piece(
-        element: &ElementData<'_>,
+        (element, piece): (&ElementData<'_>, Option<usize>),
         positions: Vec<PowerSeries>,
         velocities: Vec<PowerSeries>,
         step: &Step,
     ) -> Self {
-        let piece = element.piece_above(positions[0].at(0.5 * step.duration()));
+        let above = || element.piece_above(positions[0].at(0.5 * step.duration()));
+        let piece = piece.unwrap_or_else(above);
         Self {
             positions,
             velocities,

@@ -124,11 +124,11 @@ impl Linear {
         });
         let sticks = |c: usize| step.modes()[c] == Mode::Stick;
         let is_held = |i: &usize| model.owner[*i].is_some_and(sticks);
-        let elements = model.elements.iter();
+        let elements = 0..model.elements.len();
         Self {
             contacts: contacts.collect(),
             elements: elements
-                .map(|element| ElementDerivatives::of(model, element, step))
+                .map(|e| ElementDerivatives::of(model, e, step))
                 .collect(),
             stuck: (0..model.len()).filter(is_held).collect(),
             holding: model.holding(&sticks),

@@ -14,6 +14,7 @@
 //! | crossing | r | nothing changes |
 //! | release | σR − N μ_s | what the law makes of its memory |
 //! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
+//! | a stop whose force jumps | δ | nothing changes |
 //!
 //! At an event the field f jumps only in v' and z' of the contacts of this event. All other
 //! perturbations are continuous. Contacts that share coordinates are coupled: the event of one
@@ -29,12 +30,15 @@ use nalgebra::{DMatrix, RowDVector};
 use super::linear::{Linear, load_at_end};
 use super::tangent::TangentFlow;
 use crate::clock::Clock;
+use crate::error::Element;
+use crate::force::stop::OPEN;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
+use crate::structure::engine::contact::{ContactData, entry};
 use crate::structure::engine::factor::Holding;
 use crate::structure::{Step, Trigger};
 
@@ -56,6 +60,20 @@ struct Delay {
     contacts: Vec<usize>,
     later: RowDVector<f64>,
     coordinates: Vec<bool>,
+}
+
+/// How much later the force of a stop jumps, and the coordinates on which it acts, directly or by
+/// contacts.
+struct StopJump {
+    later: RowDVector<f64>,
+    coordinates: Vec<bool>,
+}
+
+impl StopJump {
+    fn reaches(&self, contact: &ContactData<'_>) -> bool {
+        let mut along = contact.direction.iter();
+        along.any(|&(j, _)| self.coordinates[j])
+    }
 }
 
 /// The law of one contact, and the load N under which its memory changes.
@@ -235,11 +253,20 @@ impl TangentFlow<'_> {
         let model = &self.form.model;
         let mut changes = Vec::new();
         let mut shared = Vec::new();
+        let jumps = self.stop_jumps(step);
         for event in step.events() {
             let Some(contact) = event.contact() else {
                 continue;
             };
-            if model.is_shared(contact) {
+            let data = &model.contacts[contact];
+            let mut causes = jumps.iter().filter(|jump| jump.reaches(data));
+            if let (EventKind::Release(_), false, Some(jump)) =
+                (event.kind, data.is_elastic(), causes.next())
+            {
+                let memory = &event.state.memory[model.memory(contact)];
+                let passage = self.passage(step, contact, event.kind, memory);
+                changes.extend(self.changed_memory((step, contact), &passage, memory, &jump.later));
+            } else if model.is_shared(contact) {
                 shared.push((contact, event));
             } else if let Some(owned) = model.owner_of(contact) {
                 changes.extend(self.changed(step, (contact, owned), event.kind));
@@ -251,12 +278,83 @@ impl TangentFlow<'_> {
         if let (Some(linear), false) = (linear, shared.is_empty()) {
             changes.extend(self.changed_together(step, linear, &shared));
         }
+        for jump in &jumps {
+            changes.extend(self.thrown(step, jump));
+        }
         for (row, change) in changes {
             self.tangents.row_mut(row).copy_from(&change);
         }
         for &(contact, side) in &step.after().limited {
             self.limit_carried(contact, side.sign());
         }
+    }
+
+    /// The stops whose forces jump at the end of a step: they touch with a damper, or an adhesive
+    /// stop opens.
+    fn stop_jumps(&self, step: &Step) -> Vec<StopJump> {
+        let model = &self.form.model;
+        let velocities = || step.end_state().velocities;
+        let jumps = step.events().iter().filter_map(|event| {
+            let Element::Stop(number) = event.element else {
+                return None;
+            };
+            let element = &model.stops()[number];
+            let law = element.stop.filter(|law| law.damping != 0.0)?;
+            let is_jump = match event.kind {
+                EventKind::Close => step.stops()[number] == OPEN,
+                _ => law.is_adhesive,
+            };
+            let rate = element.along(|j| velocities()[j])[0];
+            if !is_jump || rate == 0.0 {
+                return None;
+            }
+            let zero = self.row(0) * 0.0;
+            let direction = element.directions[0].iter();
+            let position = direction.fold(zero, |sum, &(j, a)| sum + self.row(j) * a);
+            let mut coordinates = vec![false; self.form.len()];
+            for &(j, _) in &element.responses[0] {
+                coordinates[j] = true;
+            }
+            for &c in &model.shared {
+                let mut along = model.contacts[c].direction.iter();
+                if along.any(|&(j, _)| entry(&element.responses[0], j) != 0.0) {
+                    let connected = model.connected(c);
+                    for (reached, connected) in std::iter::zip(&mut coordinates, connected) {
+                        *reached |= connected;
+                    }
+                }
+            }
+            Some(StopJump {
+                later: position * -rate.recip(),
+                coordinates,
+            })
+        });
+        jumps.collect()
+    }
+
+    /// The velocities whose rates jump with the force of a stop. A contact that has stuck and still
+    /// does holds its coordinate, and the own event of a contact that comes to rest at the same
+    /// instant has its own delay.
+    fn thrown(&self, step: &Step, jump: &StopJump) -> Vec<(usize, RowDVector<f64>)> {
+        let (model, n) = (&self.form.model, self.form.len());
+        let has_own_event = |c: usize| {
+            let mut events = step
+                .events()
+                .iter()
+                .filter(|event| event.contact() == Some(c));
+            match events.next() {
+                None => step.modes()[c] == Mode::Stick,
+                Some(event) => !matches!(event.kind, EventKind::Release(_)),
+            }
+        };
+        let reached = (0..n).filter(|&i| jump.coordinates[i]);
+        let free = reached.filter(|&i| !model.owner[i].is_some_and(has_own_event));
+        let changes = free.filter_map(|i| {
+            let before = step.series()[i].derivative().at(step.duration());
+            let change = before - step.after().rates.get(i)?;
+            Some((n + i, self.row(n + i) + &jump.later * change))
+        });
+        changes.collect()
     }
 
     /// The rows of the tangents that change at an event of a contact with its own coordinate.

@@ -147,7 +147,7 @@ impl Sequence {
                 let own = sequence.kinds.iter().filter(|event| event.0 == element);
                 own.map(|event| (event.1, event.2)).collect()
             };
-            has_more_pairs(&of(short), &of(long))
+            has_more_pairs(element, &of(short), &of(long))
         });
         if grazes && short.kinds.len() < long.kinds.len() {
             BifurcationKind::Grazing
@@ -164,7 +164,11 @@ fn is_rotated<T: PartialEq>(a: &[T], b: &[T]) -> bool {
 
 /// Returns true if the events of one element become others by removing pairs of events after which
 /// the element continues as before.
-fn has_more_pairs(short: &[(EventKind, Mode)], long: &[(EventKind, Mode)]) -> bool {
+fn has_more_pairs(
+    element: Element,
+    short: &[(EventKind, Mode)],
+    long: &[(EventKind, Mode)],
+) -> bool {
     /// Limit of the pairs to be removed.
     const MOST_PAIRS: usize = 4;
     let more = long.len().saturating_sub(short.len());
@@ -181,12 +185,16 @@ fn has_more_pairs(short: &[(EventKind, Mode)], long: &[(EventKind, Mode)]) -> bo
             }
             (EventKind::Release(_), EventKind::Stick) => true,
             (EventKind::Crossing(from), EventKind::Crossing(to)) => from != to,
+            // A stop that is touched, or loses its force for a short time.
+            (EventKind::Close, EventKind::Open) | (EventKind::Open, EventKind::Close) => {
+                matches!(element, Element::Stop(_))
+            }
             _ => false,
         };
         if !before {
             return false;
         }
         let rest: Vec<_> = (2..long.len()).map(at).collect();
-        has_more_pairs(short, &rest)
+        has_more_pairs(element, short, &rest)
     })
 }

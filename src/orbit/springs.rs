@@ -86,12 +86,12 @@ impl TangentFlow<'_> {
         for (data, place) in std::iter::zip(&model.first_order, model.len()..) {
             rate += self.row(model.position_row(place)) * entry(&data.responses, i);
         }
-        for element in &model.elements {
+        for (e, element) in model.elements.iter().enumerate() {
             let response: Vec<f64> = responses_at(element, i).collect();
             if response.iter().all(|x| *x == 0.0) {
                 continue;
             }
-            let derivatives = ElementDerivatives::of(model, element, step);
+            let derivatives = ElementDerivatives::of(model, e, step);
             for (by, slopes) in derivatives.0.iter().enumerate() {
                 let forces = std::iter::zip(&response, slopes);
                 let forces = forces.map(|(x, slope)| x * slope.series.at(step.duration()));
@@ -129,12 +129,12 @@ impl TangentFlow<'_> {
             let series = &step.series()[model.position_row(place) - model.len()];
             series.slope_at(h) * entry(&data.responses, i)
         });
-        let elements = model.elements.iter().map(|element| {
+        let elements = model.elements.iter().enumerate().map(|(e, element)| {
             let response: Vec<f64> = responses_at(element, i).collect();
             if response.iter().all(|x| *x == 0.0) {
                 return 0.0;
             }
-            let rates = ElementDerivatives::rates(model, element, step);
+            let rates = ElementDerivatives::rates(model, e, step);
             -std::iter::zip(response, rates)
                 .map(|(x, rate)| x * rate)
                 .sum::<f64>()

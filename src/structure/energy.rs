@@ -31,7 +31,7 @@ impl Structure {
     /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) + Σ D U of a state at a time: the energy
     /// of the stiffness matrix K, of elastic contacts with force T and stiffness k_t, of normal
     /// springs with load N and stiffness k_n that are closed at that time, and of force elements
-    /// with the factor D whose laws have a potential U.
+    /// with the factor D whose laws have a potential U; U = ½kδ² of a stop where δ > 0.
     ///
     /// # Errors
     ///
@@ -123,6 +123,7 @@ pub(super) fn check_motion(model: &Model<'_>, motion: &Trajectory<State>) -> Res
     let sizes = [
         ("displacements", state.displacements.len(), model.len()),
         ("contacts", first.modes().len(), model.contacts.len()),
+        ("stops", first.stops().len(), model.stops().len()),
         ("memory", state.memory.len(), model.remembered()),
     ];
     match sizes
@@ -181,7 +182,7 @@ impl Energies<'_, '_> {
         let carried = instant.contacts.iter().enumerate();
         let carried = carried.map(|(c, at)| self.of_contact(c, at.carried));
         let springs = carried.chain(self.of_normals(instant)).sum::<f64>();
-        let elements = zip(self.model.force_elements(), &instant.elements);
+        let elements = zip(self.model.forces_and_stops(), &instant.elements);
         let elements =
             elements.map(|(element, at)| at.factor[0] * element.potential(|j| displacements[j]));
         self.kinetic(velocities) + self.elastic(displacements) + springs + elements.sum::<f64>()
@@ -198,6 +199,7 @@ impl Energies<'_, '_> {
             normal_work: vec![0.0; contacts],
             element_work: vec![0.0; model.force_elements().len()],
             first_order_work: vec![0.0; model.first_order.len()],
+            stop_loss: vec![0.0; model.stops().len()],
             ..EnergyBudget::default()
         };
         let is_long = |step: &&Step| step.duration() > 0.0 && step.duration().is_finite();
@@ -265,14 +267,18 @@ impl Energies<'_, '_> {
             let velocity = data.forces.iter().map(|&(j, b)| b * v[j]);
             *work += weight * value * velocity.sum::<f64>();
         }
-        let elements = zip(self.model.force_elements(), &instant.elements);
-        for (work, (element, at)) in zip(&mut budget.element_work, elements) {
+        let elements = zip(self.model.forces_and_stops(), &instant.elements);
+        for (e, (element, at)) in elements.enumerate() {
             let slopes = element.potential_slopes(|j| q[j]);
             let parts = zip(element.along(|j| v[j]), zip(&at.forces, slopes));
             let power = parts.map(|(velocity, (force, slope))| velocity * (force - slope));
             let [factor, change] = at.factor;
             let given = change * element.potential(|j| q[j]);
-            *work += weight * (given - factor * power.sum::<f64>());
+            let work = weight * (given - factor * power.sum::<f64>());
+            match e.checked_sub(budget.element_work.len()) {
+                None => budget.element_work[e] += work,
+                Some(stop) => budget.stop_loss[stop] -= work,
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use super::engine::contact::ContactData;
 use super::engine::element::ElementTangent;
 use super::engine::model::Model;
 use super::freedom::{direction_row, elastic_rows, null_space, units};
-use crate::error::NotSliding;
+use crate::error::{Element, NotSliding};
 use crate::friction::memory::Slip;
 
 /// Accelerations, and singular values, below this part of the largest are rounding.
@@ -68,7 +68,12 @@ impl Equilibrium<'_, '_, '_> {
                 .sum::<f64>();
             let is_at = |b: &f64| (position - b).abs() <= 8.0 * f64::EPSILON * size.max(b.abs());
             if element.breakpoints.iter().any(is_at) {
-                let element = number;
+                let stop = number.checked_sub(self.model.first_stop());
+                let element = match (stop, element.rate_of) {
+                    (Some(stop), _) => Element::Stop(stop),
+                    (None, Some((state, _))) => Element::FirstOrder(state),
+                    (None, None) => Element::ForceElement(number),
+                };
                 return Err(NotSliding::AtBreakpoint { element, position });
             }
         }

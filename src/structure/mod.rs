@@ -3,6 +3,7 @@
 // | `system.rs`, `matrices.rs` | `Structure`, the system for users; checks of its matrices |
 // | `first_order.rs` | `FirstOrder`, a first-order state: an integral, a current, a filter |
 // | `force_element.rs` | `ForceElement`, a nonlinear spring, damper or force of several coordinates |
+// | `stop.rs` | `Stop`, a spring with a damper behind a gap |
 // | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
@@ -64,7 +65,7 @@
 //! | friction by direction, freewheels, ropes around a drum | [`Directional`](crate::Directional), [`Contact::freewheel`] |
 //! | elastic joints, normal springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
 //! | a hard spring, pendulum, gear play, snap-through, nonlinear damper | [`ForceElement`], with a law of the crate ([`PolynomialSpring`](crate::PolynomialSpring), [`Pendulum`](crate::Pendulum), [`Backlash`](crate::Backlash), [`SnapThrough`](crate::SnapThrough), [`VanDerPol`](crate::VanDerPol), [`TabulatedForce`](crate::TabulatedForce)) or your own [`ForceLaw`](crate::ForceLaw) |
-//! | an elastic stop | a [`Backlash`](crate::Backlash) with its stiffness, on one side or both; rigid impacts are not available |
+//! | a stop, impacts, a loose gear with damping | [`Stop`], with spring and damper; for a rigid stop see [its page](Stop#rigid-stops) |
 //! | a stiffness that varies in time: gear mesh, Mathieu's equation | [`ForceElement::with_factor`] |
 //! | a controller | proportional: [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping), with unsymmetric matrices; with an integral or a filter: [`FirstOrder`]; nonlinear: a [`ForceField`](crate::ForceField) of what it measures |
 //! | a motor's current, an actuator, a Maxwell damper | [`FirstOrder`] |
@@ -153,6 +154,7 @@ mod stability_changes;
 mod steady;
 mod steady_at;
 mod step;
+mod stop;
 mod system;
 
 pub use carried::Carried;
@@ -166,6 +168,7 @@ pub use stability_changes::StabilityChange;
 pub use steady::SteadySliding;
 pub use step::Step;
 pub(crate) use step::Trigger;
+pub use stop::Stop;
 pub use system::Structure;
 
 pub use crate::error::{Element, NotSliding};

@@ -226,6 +226,33 @@ impl From<super::FirstOrder> for FirstOrderText<Written<NamedForce>> {
     }
 }
 
+/// A stop as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StopText {
+    direction: Vec<(usize, f64)>,
+    gap: f64,
+    #[serde(default)]
+    restitution: f64,
+    /// k and c.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    contact_stiffness: Option<(f64, f64)>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    adhesive: bool,
+}
+
+impl From<super::Stop> for StopText {
+    fn from(stop: super::Stop) -> Self {
+        Self {
+            direction: stop.direction().to_vec(),
+            gap: stop.gap(),
+            restitution: stop.restitution(),
+            contact_stiffness: stop.contact_stiffness(),
+            adhesive: stop.is_adhesive(),
+        }
+    }
+}
+
 impl TryFrom<FirstOrderText<NamedForce>> for super::FirstOrder {
     type Error = Error;
     fn try_from(read: FirstOrderText<NamedForce>) -> Result<Self, Error> {
@@ -257,6 +284,17 @@ impl TryFrom<FirstOrderText<NamedForce>> for super::FirstOrder {
     }
 }
 
+impl TryFrom<StopText> for super::Stop {
+    type Error = Error;
+    fn try_from(read: StopText) -> Result<Self, Error> {
+        let mut stop = Self::along(&read.direction, read.gap, read.restitution)?;
+        if let Some((stiffness, damping)) = read.contact_stiffness {
+            stop = stop.with_contact_stiffness(stiffness, damping)?;
+        }
+        Ok(if read.adhesive { stop.adhesive() } else { stop })
+    }
+}
+
 /// A structure as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -278,6 +316,8 @@ pub(super) struct StructureText {
     elements: Vec<super::ForceElement>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     first_orders: Vec<super::FirstOrder>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    stops: Vec<super::Stop>,
 }
 
 impl From<super::Structure> for StructureText {
@@ -298,6 +338,7 @@ impl From<super::Structure> for StructureText {
             contacts: structure.contacts().to_vec(),
             elements: structure.elements().to_vec(),
             first_orders: structure.first_orders().to_vec(),
+            stops: structure.stops().to_vec(),
         }
     }
 }
@@ -344,6 +385,9 @@ impl TryFrom<StructureText> for super::Structure {
         }
         for element in read.elements {
             structure = structure.with_element(element)?;
+        }
+        for stop in read.stops {
+            structure = structure.with_stop(stop)?;
         }
         structure.with_first_orders(read.first_orders)
     }

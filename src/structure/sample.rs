@@ -30,6 +30,9 @@ pub struct Sample {
     /// The forces D F_i of each [force element](crate::ForceElement), one for each of its
     /// directions, in units of force; the force on the structure is −Σ a_i D F_i.
     pub element_forces: Vec<Vec<f64>>,
+    /// The force F of each [stop](crate::Stop), in units of force; the force on the structure is +d
+    /// F, and 0 while the stop is open.
+    pub stop_forces: Vec<f64>,
 }
 
 impl Structure {
@@ -71,8 +74,9 @@ impl Structure {
             let instant = Forces::of(&model, step).at_time(time);
             let contacts = instant.contacts.iter();
             let (friction, loads) = contacts.map(|at| (at.carried, at.load)).unzip();
-            let elements = instant.elements.iter();
-            let element_forces = elements.map(AtElement::scaled).collect();
+            let (elements, stops) = instant.elements.split_at(model.force_elements().len());
+            let element_forces = elements.iter().map(AtElement::scaled).collect();
+            let stop_forces = stops.iter().map(|at| at.forces[0]).collect();
             Sample {
                 time,
                 modes: step.modes().to_vec(),
@@ -80,6 +84,7 @@ impl Structure {
                 friction,
                 loads,
                 element_forces,
+                stop_forces,
                 state: instant.state,
             }
         }))

@@ -63,6 +63,9 @@ impl Structure {
             let factor = held(element.factor());
             frozen = frozen.with_element(element.clone().with_factor(factor)?)?;
         }
+        for stop in self.stops() {
+            frozen = frozen.with_stop(stop.clone())?;
+        }
         let states = self.first_orders().iter();
         frozen.with_first_orders(states.map(|state| state.frozen(time)))
     }

@@ -47,7 +47,7 @@ struct Ending {
 pub(crate) struct EventData {
     /// Contacts with a coordinate to themselves, released by a jump of a drive.
     pub(crate) forced: Vec<usize>,
-    /// v' just after, if a contact that shares coordinates has an event.
+    /// v' just after, if a contact that shares coordinates has an event, or a stop with a damper.
     pub(crate) rates: Vec<f64>,
     /// The conditions that determine the times of events of contacts that share coordinates; none
     /// at a jump of a drive.
@@ -239,6 +239,11 @@ impl Step {
         &self.modes.modes
     }
 
+    /// The piece of the law of each stop during the step.
+    pub(crate) fn stops(&self) -> &[usize] {
+        &self.modes.stops
+    }
+
     /// State at the start of the step. If the step begins at an event, the memory variables have
     /// their values after the event.
     pub fn state(&self) -> &State {
@@ -252,6 +257,7 @@ impl PartialEq for Step {
         let plain = |step: &Self| (step.start, step.end, step.duration, step.coordinates);
         plain(self) == plain(other)
             && self.modes() == other.modes()
+            && self.stops() == other.stops()
             && self.ends == other.ends
             && self.series == other.series
             && self.ending == other.ending

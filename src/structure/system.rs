@@ -10,6 +10,7 @@ use super::matrices::{
     MAX_CONTACTS, MAX_COORDINATES, MAX_FIRST_ORDERS, add, add_between, add_matrix, check_contacts,
     check_count, check_definite, check_first_orders, check_masses, make_symmetric,
 };
+use super::stop::Stop;
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
@@ -19,10 +20,11 @@ use crate::friction::memory::ContactLaw;
 /// with friction contacts between masses or on moving surfaces.
 ///
 /// ```text
-/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c + B z,   v = q'
+/// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c + Σ_k d_k F_k + B z,   v = q'
 /// contacts:  r_c = b_c·v − w_c(t),   N_c = N0_c(t) + Σ_j n_cj q_j
 ///            slip:  λ_c = N_c μ_c(r_c)     stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
 /// elements:  F_e = F_e(x_e, y_e),   x_ei = a_ei·q,   y_ei = a_ei·v
+/// stops:     F_k = F_k(δ_k, δ_k'),   δ_k = −(g_k + d_k·q)
 /// states:    z' = A_q q + A_v v + A_z z + u(t) + F_z
 /// ```
 ///
@@ -45,6 +47,9 @@ use crate::friction::memory::ContactLaw;
 /// the law F_e, a nonlinear function of these, and the factor D_e, 1 unless set. Elements are
 /// numbered from 0 in the order in which they are added.
 ///
+/// [`Stop`] k has the direction d_k and the gap g_k at q = 0. Its force F_k is that of a spring and
+/// a damper while the depth δ_k is positive.
+///
 /// First-order states z, such as the integral of a controller or the current of a motor, have no
 /// mass; each is a [`FirstOrder`], which gives its row of the equation and its forces, a column of
 /// B.
@@ -55,8 +60,8 @@ use crate::friction::memory::ContactLaw;
 ///   is at rest, a double pendulum or a linkage is not.
 /// * **Delays:** all forces depend on the present state, so regenerative chatter is not covered.
 /// * **Friction in a plane:** each contact slides along its own fixed direction.
-/// * **Rigid impacts:** velocities never jump. A stop is elastic, a
-///   [`Backlash`](crate::Backlash) of its stiffness.
+/// * **Rigid impacts:** velocities never jump. A [`Stop`] has a stiffness: its page says what to
+///   take for a [rigid stop](Stop#rigid-stops).
 /// * **Forces that jump** with the displacement. A force that jumps with the sign of a velocity is
 ///   friction.
 ///
@@ -173,6 +178,7 @@ pub struct Structure {
     forces: Vec<Drive>,
     contacts: Vec<Contact>,
     elements: Vec<ForceElement>,
+    stops: Vec<Stop>,
     first_orders: Vec<FirstOrder>,
 }
 
@@ -207,6 +213,7 @@ impl Structure {
             forces: vec![Drive::constant(0.0); n],
             contacts: Vec::new(),
             elements: Vec::new(),
+            stops: Vec::new(),
             first_orders: Vec::new(),
         })
     }
@@ -412,6 +419,35 @@ impl Structure {
         Ok(self)
     }
 
+    /// Adds a stop with spring and damper. Stops are numbered from 0, in the order in which they
+    /// are added.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::RigidStop`] if the stop has no contact stiffness; [`Error::NoSuchCoordinate`] if
+    /// its direction names a coordinate that does not exist.
+    ///
+    /// ```
+    /// use stick_slip::{Drive, Stop, Structure, structure::State};
+    ///
+    /// // A force throws a mass to and fro between two stops.
+    /// let stop = |stop: Stop| stop.with_contact_stiffness(200.0, 4.0);
+    /// let mass = Structure::new(&[1.0])?
+    ///     .with_force(0, Drive::sine(3.0, 2.0)?)?
+    ///     .with_stop(stop(Stop::above(0, 0.5, 0.0)?)?)?
+    ///     .with_stop(stop(Stop::below(0, -0.5, 0.0)?)?)?;
+    /// let motion = mass.simulate(State::at_rest(1), 20.0)?;
+    /// let depth = |q: f64| q.abs() - 0.5;
+    /// let depths = motion.steps().iter().map(|step| depth(step.state().displacements[0]));
+    /// assert!(motion.events().len() > 10 && depths.fold(0.0, f64::max) < 0.2);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_stop(mut self, stop: Stop) -> Result<Self, Error> {
+        stop.check(self.stops.len(), self.len())?;
+        self.stops.push(stop);
+        Ok(self)
+    }
+
     /// Adds a first-order state: an integral, a current, a filter. States are numbered from 0, in
     /// the order in which they are added. It may read the states before it and itself; states that
     /// read each other are added together, by [`with_first_orders`](Self::with_first_orders).
@@ -510,6 +546,11 @@ impl Structure {
         &self.elements
     }
 
+    /// The stops, by their numbers.
+    pub fn stops(&self) -> &[Stop] {
+        &self.stops
+    }
+
     /// The first-order states, by their numbers.
     pub fn first_orders(&self) -> &[FirstOrder] {
         &self.first_orders
@@ -553,6 +594,7 @@ impl Structure {
         let states = || self.first_orders.iter().enumerate();
         let laws = states().flat_map(|(number, state)| state.law_data(number, self.len()));
         let elements = self.elements.iter().map(ForceElement::data).chain(laws);
+        let elements = elements.chain(self.stops.iter().map(Stop::data));
         let first_order = states().map(|(number, state)| state.data(number));
         Model::new(
             mass,
@@ -592,6 +634,7 @@ where
             forces: vec![Drive::constant(0.0)],
             contacts: vec![contact],
             elements: Vec::new(),
+            stops: Vec::new(),
             first_orders: Vec::new(),
         }
     }

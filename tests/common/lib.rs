@@ -124,8 +124,8 @@ pub fn kind(name: &str) -> EventKind {
         "release_positive" => EventKind::Release(Direction::Leading),
         "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
         "cross_to_positive" => EventKind::Crossing(Direction::Leading),
-        "open" => EventKind::Open,
-        "close" => EventKind::Close,
+        "open" | "kv_open" => EventKind::Open,
+        "close" | "kv_close" => EventKind::Close,
         other => panic!("unknown event {other}"),
     }
 }

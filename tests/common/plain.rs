@@ -5,7 +5,7 @@ use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
     AnyLaw, Contact, Coulomb, Drive, Exponential, FirstOrder, FrictionLaw, Polynomial, Rational,
-    Stribeck, Structure, Tabulated,
+    Stop, Stribeck, Structure, Tabulated,
 };
 
 use crate::Random;
@@ -103,6 +103,38 @@ pub struct PlainElement {
     pub factor: PlainDrive,
 }
 
+/// A stop with spring and damper behind a gap.
+#[derive(Debug, Clone)]
+pub struct PlainStop {
+    /// −d, with a number for each coordinate.
+    pub inward: DVector<f64>,
+    pub gap: f64,
+    pub stiffness: f64,
+    pub damping: f64,
+    pub adhesive: bool,
+}
+
+impl PlainStop {
+    /// The depth, and kδ + cδ'.
+    fn pressure(&self, q: &DVector<f64>, v: &DVector<f64>) -> [f64; 2] {
+        let depth = self.inward.dot(q) - self.gap;
+        [
+            depth,
+            self.stiffness * depth + self.damping * self.inward.dot(v),
+        ]
+    }
+
+    /// Closed ones open at the end of their force; open ones close where it begins.
+    fn is_due(&self, closed: bool, q: &DVector<f64>, v: &DVector<f64>) -> bool {
+        let [depth, pressure] = self.pressure(q, v);
+        let pushes = depth > 0.0 && (self.adhesive || pressure > 0.0);
+        pushes != closed
+    }
+}
+
+/// The number of the first stop in a list of events.
+pub const STOPS: usize = 1000;
+
 #[derive(Debug, Clone)]
 pub struct Plain {
     pub mass: DMatrix<f64>,
@@ -114,6 +146,7 @@ pub struct Plain {
     /// How many of the last coordinates, of mass 1, are first-order states of the structure, by
     /// their velocities; nothing depends on their displacements.
     pub states: usize,
+    pub stops: Vec<PlainStop>,
 }
 
 /// e_i.
@@ -224,6 +257,7 @@ impl Plain {
             contacts,
             elements: Vec::new(),
             states: 0,
+            stops: Vec::new(),
         }
     }
 
@@ -348,6 +382,7 @@ impl Plain {
             contacts,
             elements: Vec::new(),
             states: 0,
+            stops: Vec::new(),
         }
     }
 
@@ -488,6 +523,27 @@ impl Plain {
         state.with_drive(self.forces[n + k].drive()).unwrap()
     }
 
+    /// One to three stops, in any direction.
+    pub fn with_stops(mut self, random: &mut Random) -> Self {
+        let n = self.len();
+        for _ in 0..=random.bits() % 3 {
+            let [i, j] = [0; 2].map(|_| (random.bits() % n as u64) as usize);
+            let inward = match random.bits() % 3 {
+                0 => unit(n, i) * random.sign(),
+                1 if i != j => unit(n, i) - unit(n, j),
+                _ => DVector::from_fn(n, |_, _| random.uniform(-1.0, 1.0)),
+            };
+            self.stops.push(PlainStop {
+                inward,
+                gap: random.uniform(-0.2, 0.6),
+                stiffness: random.logarithmic(1.0, 100.0),
+                damping: random.pick(&[0.0, 1.0, 1.0]) * random.uniform(0.1, 4.0),
+                adhesive: random.bits().is_multiple_of(3),
+            });
+        }
+        self
+    }
+
     /// Number of coordinates.
     pub fn len(&self) -> usize {
         self.mass.nrows()
@@ -519,6 +575,15 @@ impl Plain {
             let made = element.law.clone().element(&direction);
             let made = made.with_factor(element.factor.drive()).unwrap();
             structure = structure.with_element(made).unwrap();
+        }
+        for stop in &self.stops {
+            let entries = stop.inward.iter().copied().enumerate();
+            let direction: Vec<_> = entries.map(|(j, a)| (j, -a)).collect();
+            let made = Stop::along(&direction, stop.gap, 0.0)
+                .and_then(|made| made.with_contact_stiffness(stop.stiffness, stop.damping))
+                .unwrap();
+            let made = if stop.adhesive { made.adhesive() } else { made };
+            structure = structure.with_stop(made).unwrap();
         }
         let states = (0..self.states).map(|k| self.first_order(k));
         structure.with_first_orders(states).unwrap()
@@ -577,6 +642,8 @@ pub struct Simple<'p> {
     /// M⁻¹.
     inverse: DMatrix<f64>,
     does: Vec<Does>,
+    /// True for each stop that is closed.
+    closed: Vec<bool>,
     /// The contacts that stick, M⁻¹B_Sᵀ, and the inverse of B_S M⁻¹B_Sᵀ.
     stuck: Vec<usize>,
     responses: DMatrix<f64>,
@@ -593,6 +660,7 @@ impl<'p> Simple<'p> {
             plain,
             inverse: plain.mass.clone().try_inverse().unwrap(),
             does: vec![Does::Open; plain.contacts.len()],
+            closed: vec![false; plain.stops.len()],
             stuck: vec![],
             responses: DMatrix::zeros(plain.len(), 0),
             holds: DMatrix::zeros(0, 0),
@@ -637,6 +705,11 @@ impl<'p> Simple<'p> {
             let (x, y) = (element.direction.dot(q), element.direction.dot(v));
             let factor = element.factor.at(t, before)[0];
             force -= &element.direction * (factor * element.law.at(x, y));
+        }
+        for (stop, closed) in plain.stops.iter().zip(&self.closed) {
+            if *closed {
+                force -= &stop.inward * stop.pressure(q, v)[1];
+            }
         }
         let loads = plain.loads(t, q, before);
         let mut carried = vec![0.0; loads.len()];
@@ -698,7 +771,10 @@ impl<'p> Simple<'p> {
                 Does::Stick => carried[*c].abs() > load * contact.law.static_coefficient(),
             }
         };
-        (0..self.does.len()).filter(due).collect()
+        let contacts = (0..self.does.len()).filter(due);
+        let stops = self.plain.stops.iter().zip(&self.closed).enumerate();
+        let stops = stops.filter(|(_, (stop, closed))| stop.is_due(**closed, &q, &v));
+        contacts.chain(stops.map(|(k, _)| STOPS + k)).collect()
     }
 
     /// Contacts that stick keep the velocity of their belts.
@@ -718,10 +794,18 @@ impl<'p> Simple<'p> {
     /// one separates, or contacts that stick are dependent.
     fn change(&mut self, due: &[usize]) -> bool {
         let plain = self.plain;
+        for (k, stop) in plain.stops.iter().enumerate() {
+            if due.contains(&(STOPS + k)) && stop.is_due(self.closed[k], &self.q, &self.v) {
+                self.closed[k] = !self.closed[k];
+                let letter = if self.closed[k] { 'c' } else { 'o' };
+                self.seen.push((self.t, STOPS + k, letter, 0.0));
+            }
+        }
+        let due: Vec<usize> = due.iter().copied().filter(|&c| c < STOPS).collect();
         let was = self.does.clone();
         let loads = plain.loads(self.t, &self.q, false);
         let mut does = was.clone();
-        for &c in due {
+        for c in due {
             let r = plain.sliding(c, self.t, &self.v);
             does[c] = match was[c] {
                 // The belt's velocity as the crate rounds it.
@@ -805,7 +889,8 @@ impl Plain {
     /// end.
     pub fn events(&self, start: &State, duration: f64, step: f64) -> Vec<Seen> {
         let mut simple = Simple::new(self, start);
-        let all: Vec<usize> = (0..self.contacts.len()).collect();
+        let stops = STOPS..STOPS + self.stops.len();
+        let all: Vec<usize> = (0..self.contacts.len()).chain(stops).collect();
         let goes_on = simple.change(&all);
         // At the start nothing changes, but for what cannot go on.
         simple.seen.retain(|seen| seen.2 == 'u');

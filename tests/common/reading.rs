@@ -4,7 +4,7 @@ use serde_json::Value;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, Directional, Drive, Dwell, Error, Exponential,
-    Freewheel, FrictionLaw, LuGre, Polynomial, RateState, Rational, Scalar, Structure,
+    Freewheel, FrictionLaw, LuGre, Polynomial, RateState, Rational, Scalar, Stop, Structure,
 };
 
 use crate::forces::element;
@@ -171,6 +171,21 @@ fn with_laws(
     }
     for force in system.get("forces").map(list).unwrap_or_default() {
         structure = structure.with_element(element(force)).unwrap();
+    }
+    for given in system.get("kv_stops").map(list).unwrap_or_default() {
+        let direction: Vec<_> = numbers(&given["direction"])
+            .into_iter()
+            .enumerate()
+            .collect();
+        let stop = Stop::along(&direction, number(&given["gap"]), 0.0)
+            .and_then(|stop| stop.with_contact_stiffness(number(&given["k"]), number(&given["c"])))
+            .unwrap();
+        let stop = match text(&given["kind"]) {
+            "max" => stop,
+            "adhesive" => stop.adhesive(),
+            other => panic!("unknown stop {other}"),
+        };
+        structure = structure.with_stop(stop).unwrap();
     }
     structure
 }

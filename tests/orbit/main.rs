@@ -35,5 +35,6 @@ mod retracing;
 mod seam;
 mod sensitivities;
 mod standing;
+mod stops;
 mod switching;
 mod translations;

@@ -571,7 +571,7 @@ fn steady_sliding_is_found_with_nonlinear_forces() {
     let gap = gap.with_ground_spring(0, 0.8).unwrap();
     match gap.steady_sliding() {
         Err(Error::NoSteadySliding(NotSliding::AtBreakpoint {
-            element: 0,
+            element: Element::ForceElement(0),
             position,
         })) => {
             assert!((position - 0.25).abs() < 1e-15);

@@ -3,13 +3,14 @@
 use approx::assert_abs_diff_eq;
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, Event, EventKind, FrictionLaw,
-    Integrator, LuGre, Mode, Polynomial, Rational, Segment, Stribeck, Structure, Trajectory,
+    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Element, Error, Event, EventKind,
+    FrictionLaw, Integrator, LuGre, Mode, Polynomial, Rational, Segment, Stribeck, Structure,
+    Trajectory,
 };
 
 use crate::common::simple::runge_kutta;
 use crate::common::{Random, count, one_mass};
-use crate::plain::{Plain, Seen};
+use crate::plain::{Plain, STOPS, Seen};
 use crate::reading::Raised;
 
 fn told_of(event: &Event<State>) -> Seen {
@@ -20,7 +21,11 @@ fn told_of(event: &Event<State>) -> Seen {
         EventKind::Open => ('o', 0.0),
         EventKind::Close => ('c', 0.0),
     };
-    (event.time, event.contact().unwrap(), letter, side)
+    let number = match event.element {
+        Element::Stop(stop) => STOPS + stop,
+        _ => event.contact().unwrap(),
+    };
+    (event.time, number, letter, side)
 }
 
 pub(crate) fn told(motion: &Trajectory<State>) -> Vec<Seen> {
@@ -275,8 +280,22 @@ fn a_simple_integrator_sees_the_same_events() {
 /// The same with force elements of all kinds.
 #[test]
 fn a_simple_integrator_sees_the_same_events_with_force_elements() {
-    let mut random = Random::new(502);
+    compare_with(502, Plain::with_elements);
+}
+
+/// The same with stops, some of them adhesive or without damper.
+#[test]
+fn a_simple_integrator_sees_the_same_events_with_stops() {
+    let found = compare_with(503, Plain::with_stops);
+    let of_stops = found.iter().filter(|seen| seen.1 >= STOPS).count();
+    assert!(of_stops > 3 * count(30, 300), "{of_stops}");
+}
+
+/// Compares the events of random structures with some additions; returns those of the crate.
+fn compare_with(seed: u64, add: impl Fn(Plain, &mut Random) -> Plain) -> Vec<Seen> {
+    let mut random = Random::new(seed);
     let mut all = Comparison::default();
+    let mut events = Vec::new();
     let (mut tried, cases) = (0, count(30, 300));
     while tried < cases {
         let is_shared = random.bits().is_multiple_of(2);
@@ -284,7 +303,7 @@ fn a_simple_integrator_sees_the_same_events_with_force_elements() {
             false => Plain::random(&mut random),
             true => Plain::shared(&mut random, false),
         };
-        let plain = plain.with_elements(&mut random);
+        let plain = add(plain, &mut random);
         let start = plain.start(&mut random);
         if is_shared && !plain.is_clear(&start) {
             continue;
@@ -303,10 +322,12 @@ fn a_simple_integrator_sees_the_same_events_with_force_elements() {
         let mut found = told(&trajectory);
         found.extend(end);
         all.add(&found, [&coarse, &fine], duration, &motion);
+        events.append(&mut found);
     }
     println!("{all}");
     assert!(all.compared > 3 * cases, "{all}");
     assert!(all.undecided * 5 < cases, "{all}");
+    events
 }
 
 /// The same with first-order states, and with elements beside them.

@@ -135,6 +135,22 @@ fn stiff_contacts_have_the_reference_events_and_states() {
     assert_eq!(compared, (STIFF_EVENTS, STIFF_STATES));
 }
 
+/// Stops with spring and damper, each beside friction on the same coordinate.
+#[test]
+fn stops_have_the_reference_events_and_states() {
+    for tolerance in [f64::EPSILON, 1e-12, 1e-9] {
+        let mut all = cases(include_str!("../data/limits_trajectories.json"));
+        all.retain(|case| case["system"].get("kv_stops").is_some());
+        let at_start = if tolerance > f64::EPSILON {
+            1000.0
+        } else {
+            8.0
+        } * tolerance;
+        let compared = motions_are_right(all, tolerance, at_start);
+        assert_eq!(compared, (STOP_EVENTS, STOP_STATES));
+    }
+}
+
 /// Motions under forces that are not linear in displacements and velocities.
 #[test]
 fn nonlinear_forces_have_the_reference_events_and_states() {
@@ -202,8 +218,10 @@ fn motions_are_right(all: Vec<Value>, tolerance: f64, at_start: f64) -> (usize, 
         }
         for (n, (actual, expected)) in actual.iter().zip(expected).enumerate() {
             let what = |quantity: &str| format!("{id}, event {n}: {quantity}");
-            if Some(actual.contact().unwrap() as u64) != expected["contact"].as_u64() {
-                failures.push(what("contact"));
+            let numbered = |name: &str| expected[name].as_u64().map(|found| found as usize);
+            let stop = numbered("kv_stop").map(Element::Stop);
+            if Some(actual.element) != stop.or(numbered("contact").map(Element::Contact)) {
+                failures.push(what("element"));
                 break;
             }
             let time = number(&expected["t"]);
@@ -283,6 +301,8 @@ const EVENTS: usize = 1666;
 const STATES: usize = 273;
 const FORCE_EVENTS: usize = 277;
 const FORCE_STATES: usize = 55;
+const STOP_EVENTS: usize = 61;
+const STOP_STATES: usize = 8;
 const STIFF_EVENTS: usize = 652;
 const STIFF_STATES: usize = 80;
 

@@ -67,6 +67,7 @@ pub(super) fn is_accepted(
     };
     contacts
         && std::iter::zip(&model.elements, elements)
+            .filter(|(_, of)| of.acts)
             .all(|(element, of)| force_is_accepted((element, of), plan, &held, checks))
 }
 

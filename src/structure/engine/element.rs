@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::contact::Entries;
 use crate::drive::Drive;
 use crate::force::object::{ForceObject, Place};
+use crate::force::stop::StopLaw;
 
 /// The constant data of a force element, or of a law in the rate of a first-order state.
 ///
@@ -24,6 +25,8 @@ pub(crate) struct ElementData<'s> {
     pub(crate) factor: Arc<Drive>,
     /// Positions at which pieces of the law meet.
     pub(crate) breakpoints: Vec<f64>,
+    /// The law of a stop, whose pieces depend on the velocity, too.
+    pub(crate) stop: Option<StopLaw>,
 }
 
 impl<'s> ElementData<'s> {
@@ -39,6 +42,7 @@ impl<'s> ElementData<'s> {
             law,
             factor,
             breakpoints: law.breakpoints(),
+            stop: None,
         }
     }
 
@@ -53,10 +57,28 @@ impl<'s> ElementData<'s> {
         self.breakpoints.partition_point(|b| *b <= position)
     }
 
-    /// F_i at positions and velocities of the coordinates, without the factor.
-    pub(crate) fn forces(&self, q: impl Fn(usize) -> f64, v: impl Fn(usize) -> f64) -> Vec<f64> {
+    /// The piece of the law at positions and velocities along its directions.
+    pub(crate) fn piece(&self, positions: &[f64], velocities: &[f64]) -> usize {
+        match &self.stop {
+            None => self.piece_above(positions[0]),
+            Some(stop) => stop.piece(positions[0], velocities[0]),
+        }
+    }
+
+    /// F_i at positions and velocities of the coordinates, without the factor; on a piece of the
+    /// law, if it is given.
+    pub(crate) fn forces(
+        &self,
+        q: impl Fn(usize) -> f64,
+        v: impl Fn(usize) -> f64,
+        piece: Option<usize>,
+    ) -> Vec<f64> {
         let (positions, velocities) = (self.along(q), self.along(v));
-        self.law.forces(self.place(&positions, &velocities))
+        let place = self.place(&positions, &velocities);
+        self.law.forces(Place {
+            piece: piece.unwrap_or(place.piece),
+            ..place
+        })
     }
 
     /// F_i, and their derivatives by x_j and then y_j, a list over i for each, without the factor.
@@ -92,7 +114,7 @@ impl<'s> ElementData<'s> {
         Place {
             positions,
             velocities,
-            piece: self.piece_above(positions[0]),
+            piece: self.piece(positions, velocities),
         }
     }
 }
@@ -111,6 +133,11 @@ pub(crate) struct ElementTangent {
     pub(crate) positions: Vec<f64>,
     pub(crate) forces: Vec<f64>,
     pub(crate) slopes: Vec<Vec<f64>>,
+}
+
+/// Σ |a_j x_j|.
+pub(super) fn sum_of_sizes(direction: &Entries, x: impl Fn(usize) -> f64) -> f64 {
+    direction.iter().map(|&(j, a)| (a * x(j)).abs()).sum()
 }
 
 pub(super) fn sum(direction: &Entries, x: impl Fn(usize) -> f64) -> f64 {

@@ -23,6 +23,8 @@ pub(super) struct ElementSeries {
     pub(super) tangents: Vec<Vec<f64>>,
     /// For each F_i the sums of its defects at the quarters of a step, about extrema and between.
     pub(super) defects: Vec<[f64; 3]>,
+    /// False for a stop without a force.
+    pub(super) acts: bool,
     factor_varies: bool,
     tape: Tape,
 }
@@ -39,6 +41,7 @@ impl ElementSeries {
             piece: 0,
             tangents: vec![vec![0.0; m]; m],
             defects: vec![[0.0; 3]; m],
+            acts: true,
             factor_varies: false,
             tape: Tape::new(),
         }
@@ -62,6 +65,10 @@ impl ElementSeries {
 
     /// Notes the tangents at the start.
     pub(super) fn note_tangents(&mut self, element: &ElementData<'_>) {
+        if !self.acts {
+            self.tangents.iter_mut().for_each(|of| of.fill(0.0));
+            return;
+        }
         let place = Place {
             positions: &self.positions,
             velocities: &self.velocities,
@@ -80,16 +87,13 @@ impl ElementSeries {
         (self.forces[i][0].abs() + changes.sum::<f64>()) * element.factor.size()
     }
 
-    /// Order k of the force.
-    pub(super) fn order(
+    /// Order k of the positions and velocities.
+    pub(super) fn follow(
         &mut self,
         element: &ElementData<'_>,
         (coordinates, states): (&[CoordinateSeries], &[PowerSeries]),
         k: usize,
     ) {
-        if k == 0 {
-            self.factor_varies = !self.factor.is_constant();
-        }
         let motion = |j: usize| &coordinates[j].motion;
         let n = coordinates.len();
         for (i, direction) in element.directions.iter().enumerate() {
@@ -101,6 +105,23 @@ impl ElementSeries {
                 true => motion(j).velocity(k),
                 false => 0.0,
             });
+        }
+    }
+
+    /// Order k of the force, and of the positions and velocities.
+    pub(super) fn order(
+        &mut self,
+        element: &ElementData<'_>,
+        motion: (&[CoordinateSeries], &[PowerSeries]),
+        k: usize,
+    ) {
+        if k == 0 {
+            self.factor_varies = !self.factor.is_constant();
+        }
+        self.follow(element, motion, k);
+        if !self.acts {
+            self.forces[0][k] = 0.0;
+            return;
         }
         let Self {
             positions,

@@ -1,8 +1,11 @@
 //! Force elements: known forces of positions and velocities, order by order before the coordinates.
 //!
 //! Order k of a force needs orders up to k of the displacements and velocities, which are known
-//! before order k + 1 of the velocities. The forces are continuous in the state, so no decision of
-//! a contact depends on them.
+//! before order k + 1 of the velocities. The forces of force elements are continuous in the state.
+//! That of a stop with a damper jumps where it closes: contacts are then decided as where a drive
+//! jumps. A stop without a force has no effect on any order.
+
+use std::ops::Range;
 
 use super::fault::LawFault;
 use super::model::Model;
@@ -11,21 +14,21 @@ use super::state::Situation;
 use crate::force::object::Place;
 use crate::series::{PowerSeries, TERMS};
 
-/// Changes the piece of each element that leaves its breakpoint to the other side; returns true if
+/// Changes the piece of each element that leaves its border to the other side; returns true if
 /// there are any.
 pub(super) fn revise_pieces(model: &Model<'_>, situation: &mut Situation, series: &Series) -> bool {
     let mut changed = false;
     let elements = std::iter::zip(&model.elements, &series.elements);
     for ((element, of), state) in std::iter::zip(elements, &mut situation.elements) {
-        let Some(number) = state.on.filter(|_| state.is_open) else {
+        let Some(border) = state.on.filter(|_| state.is_open) else {
             continue;
         };
-        state.is_open = false;
-        let distance = state.distance(&of.positions[0], &element.breakpoints, number);
+        let distance = state.distance(element, of, border);
         let Some(first) = distance.first_nonzero() else {
             continue;
         };
-        let piece = number + usize::from(first > 0.0);
+        state.is_open = false;
+        let piece = element.piece_beyond(border, first > 0.0);
         changed |= piece != state.piece;
         state.piece = piece;
     }
@@ -47,6 +50,9 @@ pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
         if k == 0 {
             of.note_tangents(element);
         }
+        if !of.acts {
+            continue;
+        }
         for (i, response) in element.responses.iter().enumerate() {
             let force = of.product(i, k);
             for &(j, x) in response {
@@ -59,10 +65,28 @@ pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
     }
 }
 
-/// The fault of the first element whose force is no number, or has no series.
+/// Orders of the positions and velocities of stops without a force, which do not act on the
+/// coordinates.
+pub(super) fn watch(model: &Model<'_>, series: &mut Series, orders: Range<usize>) {
+    let Series {
+        coordinates,
+        elements,
+        states,
+        ..
+    } = series;
+    for (element, of) in std::iter::zip(&model.elements, elements) {
+        for k in orders.clone() {
+            of.follow(element, (coordinates, states), k);
+        }
+    }
+}
+
+/// The fault of the first element whose force is no number, or has no series. That of a stop is
+/// linear.
 pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<LawFault> {
     let rate_of = |element: usize| model.elements[element].rate_of.map(|(state, _)| state);
-    let faults = series.elements.iter().enumerate().map(|(element, of)| {
+    let elements = series.elements[..model.first_stop()].iter().enumerate();
+    let faults = elements.map(|(element, of)| {
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
         if let Some(force) = of.forces.iter().find(|force| !force[0].is_finite()) {
@@ -90,6 +114,7 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
     /// Largest distance of the point, as a part of the position; of positions below this, of this.
     const CLOSE: f64 = 1e-6;
     let elements = std::iter::zip(&model.elements, &series.elements).enumerate();
+    let elements = elements.take(model.first_stop());
     let mut faults = elements.filter_map(|(element, (data, of))| {
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         // The power series of F along the first direction.

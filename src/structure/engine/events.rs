@@ -4,11 +4,13 @@
 use super::contact_series::ContactSeries;
 use super::edge::Edge;
 use super::model::Model;
+use super::modes::Modes;
 use super::passages::{Passage, first_passage};
 use super::plan::Plan;
 use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};
 use crate::error::Element;
+use crate::force::stop::CLOSED;
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{EventDistance, PowerSeries, TooCurved};
 use crate::state::Direction;
@@ -25,7 +27,7 @@ pub(super) struct Firings {
     pub(super) contacts: Vec<Option<(f64, Firing)>>,
     /// The same of mechanisms.
     pub(super) mechanisms: Vec<Option<(f64, Firing)>>,
-    /// The breakpoint that each force element passes at the end of the step, if it does.
+    /// The border that each element passes at the end of the step, if it does.
     pub(super) passages: Vec<Option<Passage>>,
 }
 
@@ -281,19 +283,31 @@ fn rate_at(
     slip.direction * pull - own
 }
 
-/// The events that lead from the modes before to those of now, in the order of the contacts.
+/// The events that lead from the modes before to those of now: those of the stops, which may cause
+/// others, and then those of the contacts.
 pub(super) fn events_between(
-    before: &[Mode],
+    before: &Modes,
     situation: &Situation,
     state: &State,
 ) -> Vec<Event<State>> {
-    let contacts = std::iter::zip(before, &situation.contacts).enumerate();
-    let kinds = contacts
-        .filter_map(|(contact, (&before, now))| Some((contact, kind_of(before, now.mode())?)));
+    let stops = std::iter::zip(&before.stops, situation.stops(before.stops.len())).enumerate();
+    let stops = stops.filter_map(|(number, (&before, now))| {
+        let kind = match (before == CLOSED, now.piece == CLOSED) {
+            (false, true) => EventKind::Close,
+            (true, false) => EventKind::Open,
+            _ => return None,
+        };
+        Some((Element::Stop(number), kind))
+    });
+    let contacts = std::iter::zip(&before.modes, &situation.contacts).enumerate();
+    let contacts = contacts.filter_map(|(number, (&before, now))| {
+        Some((Element::Contact(number), kind_of(before, now.mode())?))
+    });
+    let kinds = stops.chain(contacts);
     let mut events = Vec::with_capacity(kinds.clone().count());
-    events.extend(kinds.map(|(contact, kind)| Event {
+    events.extend(kinds.map(|(element, kind)| Event {
         time: situation.clock.time,
-        element: Element::Contact(contact),
+        element,
         kind,
         state: state.clone(),
     }));

@@ -6,7 +6,7 @@ use super::alone::{expand_alone, slips_alone};
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
-use super::elements::force_fault;
+use super::elements::{force_fault, watch};
 use super::fault::LawFault;
 use super::groups::Waves;
 use super::model::{Model, Target};
@@ -14,6 +14,7 @@ use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
+use crate::force::stop::CLOSED;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// The series of every drive that varies, from the time of the clock on.
@@ -62,7 +63,9 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
         }
     }
     for (given, &j) in std::iter::zip(&mut series.given, &model.sprung) {
-        *given = series.coordinates[j].force;
+        if model.is_driven[j] {
+            *given = series.coordinates[j].force;
+        }
     }
 }
 
@@ -98,6 +101,10 @@ pub(super) fn expand(
                 of.load = PowerSeries::ZERO;
             }
         }
+        for of in series.elements.iter_mut() {
+            let motion = of.positions.iter_mut().chain(&mut of.velocities);
+            motion.for_each(|series| *series = PowerSeries::ZERO);
+        }
     }
     start(model, situation, series);
     all_orders(model, situation, series, 0..orders);
@@ -116,10 +123,11 @@ pub(super) fn expand_further(
 
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
+    let is_pushed = series.is_pushed();
     let are_apart = model.shared.is_empty()
         && model.springs.is_empty()
-        && model.elements.is_empty()
-        && model.first_order.is_empty();
+        && model.first_order.is_empty()
+        && !is_pushed;
     if are_apart
         && orders.end == ALL
         && let Some([i, c]) = slips_alone(model, series)
@@ -129,6 +137,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             all_of(model, series, 0, i + 1..n);
         }
         if expand_alone(model, series, [i, c]) {
+            watch(model, series, orders);
             return;
         }
         if orders.start == 0 {
@@ -146,6 +155,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     };
     let are_grouped = orders.end == ALL
         && series.groups.is_some()
+        && !is_pushed
         && !is_delicate
         && series.contacts.iter().enumerate().all(is_grouped);
     if are_grouped {
@@ -156,6 +166,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             }
         }
         expand_groups(model, series);
+        watch(model, series, orders);
         return;
     }
     if are_apart {
@@ -165,6 +176,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
                 all_of(model, series, k, waves.places(start, k - orders.start));
             }
         }
+        watch(model, series, orders);
     } else {
         for k in orders {
             if k > 0 {
@@ -336,6 +348,16 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     for (of, value) in std::iter::zip(&mut series.states, &situation.states) {
         of[0] = *value;
     }
+    let stops = &mut series.elements[model.first_stop()..];
+    let has_stops = !stops.is_empty();
+    for of in stops {
+        of.acts = of.piece == CLOSED;
+    }
+    if has_stops && !series.is_pushed() {
+        for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
+            series.coordinates[j].force = *given;
+        }
+    }
     for &c in &model.springs {
         series.contacts[c].guided = None;
     }
@@ -355,12 +377,23 @@ fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> 
         return Role::Other;
     };
     let of = &series.contacts[c];
-    let is_simple = of.memories.is_empty() && !of.load_varies && !model.is_driven[i];
+    let is_pushed = model.is_driven[i] || is_pushed(model, situation, i);
+    let is_simple = of.memories.is_empty() && !of.load_varies && !is_pushed;
     match situation.contacts[c].phase {
         Phase::Stick { .. } if is_simple => Role::Held(c),
         Phase::Slip { .. } if is_simple => Role::Slips(c),
         _ => Role::Other,
     }
+}
+
+/// Returns true if a closed stop pushes a coordinate.
+fn is_pushed(model: &Model<'_>, situation: &Situation, i: usize) -> bool {
+    let elements = std::iter::zip(&model.elements, &situation.elements);
+    let mut stops = elements.skip(model.first_stop());
+    stops.any(|(element, state)| {
+        let response = &element.responses[0];
+        state.piece == CLOSED && response.binary_search_by_key(&i, |&(j, _)| j).is_ok()
+    })
 }
 
 /// Order k + 1 of the velocities of some coordinates, without the forces of shared contacts.
@@ -396,11 +429,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
         ..
     } = series;
     let is_driven = model.is_driven[i];
-    let given = if is_driven || k == 0 {
-        coordinates[i].force[k]
-    } else {
-        0.0
-    };
+    let given = coordinates[i].force[k];
     let velocity = match model.owner[i] {
         None => {
             rates[i] = rate + given;

@@ -29,11 +29,12 @@ pub(crate) struct Instant {
     pub(crate) accelerations: Vec<f64>,
     /// f of each coordinate.
     pub(crate) forces: Vec<f64>,
+    /// Force elements, then stops.
     pub(crate) elements: Vec<AtElement>,
     pub(crate) contacts: Vec<AtContact>,
 }
 
-/// The force of an element.
+/// The force of a force element or a stop.
 #[derive(Debug, Clone)]
 pub(crate) struct AtElement {
     /// D and D'.
@@ -118,9 +119,11 @@ impl<'a, 's> Forces<'a, 's> {
                 accelerations[j] += x * value;
             }
         }
-        let elements = model.force_elements().iter().map(|element| {
+        let stops = model.force_elements().len();
+        let elements = model.forces_and_stops().enumerate().map(|(e, element)| {
             let factor = drive(&element.factor);
-            let forces = element.forces(|j| q[j], |j| v[j]);
+            let piece = e.checked_sub(stops).map(|stop| step.stops()[stop]);
+            let forces = element.forces(|j| q[j], |j| v[j], piece);
             for (force, response) in std::iter::zip(&forces, &element.responses) {
                 for &(j, x) in response {
                     accelerations[j] -= x * (factor[0] * force);

@@ -21,7 +21,7 @@
 //! | `instant.rs` | forces and accelerations at any time within a step |
 //! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
 //! | `springs.rs` | elastic contacts, and normal springs |
-//! | `elements.rs`, `passages.rs` | force elements; where pieces of their laws meet |
+//! | `elements.rs`, `passages.rs` | force elements and stops; where pieces of their laws meet |
 //! | `first_order.rs`, `first_orders.rs` | first-order states: their data, and their orders |
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
@@ -94,7 +94,7 @@ use step_end::{AcceptedStep, land};
 use super::carried::Carried;
 use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
@@ -156,7 +156,7 @@ impl<'s> Engine<'s> {
         decide(model, situation, series, Disturbance::Jump)?;
         // A start beyond the band slips at once, without an event; one on its edge, growing, is a
         // release.
-        let mut events = events_between(&before.modes, situation, &state);
+        let mut events = events_between(&before, situation, &state);
         events.retain(|event| {
             let is_release = matches!(event.kind, EventKind::Release(_));
             // The force of an elastic contact at the start determines whether its slider moves.
@@ -220,12 +220,12 @@ impl<'s> Engine<'s> {
         let span = (settled.duration, situation.clock);
         let mut events = Vec::new();
         match decide(model, situation, next, disturbance) {
-            Ok(()) if situation.is_in(&now.modes) => {}
+            Ok(()) if situation.is_in(&now.modes, &now.stops) => {}
             Ok(()) => {
                 let after = Arc::new(Modes::of(model, situation));
                 after.carry(time, &mut at_end[n..2 * n]);
                 let end = modes.state(n, at_end);
-                events = events_between(&now.modes, situation, &end);
+                events = events_between(now, situation, &end);
                 *now = after;
             }
             // The step is valid; the error concerns the motion after its end.
@@ -362,8 +362,16 @@ impl<'s> Engine<'s> {
                 _ => None,
             }
         });
-        let mut contacts = events.iter().filter_map(Event::contact);
-        let rates = if contacts.any(|contact| self.model.is_shared(contact)) {
+        let mut elements = events.iter().map(|event| event.element);
+        let may_jump = |element: Element| match element {
+            Element::Contact(contact) => self.model.is_shared(contact),
+            Element::Stop(stop) => {
+                let law = self.model.stops()[stop].stop;
+                law.is_some_and(|law| law.damping != 0.0)
+            }
+            _ => false,
+        };
+        let rates = if elements.any(may_jump) {
             self.acceleration()
         } else {
             Vec::new()

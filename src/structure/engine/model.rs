@@ -42,7 +42,7 @@ pub(crate) struct Model<'s> {
     pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
-    /// Force elements, then the laws in the rates of first-order states.
+    /// Force elements, then the laws in the rates of first-order states, then stops.
     pub(crate) elements: Vec<ElementData<'s>>,
     pub(crate) first_order: Vec<FirstOrderData>,
     /// Number of memory variables of all contacts.
@@ -65,7 +65,8 @@ pub(crate) struct Model<'s> {
     pub(super) sprung: Vec<usize>,
     /// The targets of the drives that vary.
     pub(super) varying: Vec<Target>,
-    /// True if the force on a coordinate varies, or the surface under its own contact.
+    /// True if the force on a coordinate varies, except by stops, or the surface under its own
+    /// contact.
     pub(super) is_driven: Vec<bool>,
     /// Largest |i − j| of two coordinates that act on each other.
     pub(super) bandwidth: usize,
@@ -293,6 +294,9 @@ impl<'s> Model<'s> {
             pulled.iter().chain(&contact.reaction).map(|&(j, _)| j)
         };
         self.sprung = self.springs.iter().flat_map(of).collect();
+        for &j in &self.sprung {
+            self.is_driven[j] = true;
+        }
         for element in &mut self.elements {
             if let Some((state, scale)) = element.rate_of {
                 element.responses = vec![vec![(self.owner.len() + state, -scale)]];
@@ -301,11 +305,16 @@ impl<'s> Model<'s> {
             let directions = element.directions.iter();
             let responses = directions.map(|a| responses_to(&self.inverse_mass, a));
             element.responses = responses.collect();
-            let pulled = element.responses.iter().flatten();
-            self.sprung.extend(pulled.map(|&(j, _)| j));
+            for &(j, _) in element.responses.iter().flatten() {
+                self.sprung.push(j);
+                // A stop acts only while it is closed.
+                self.is_driven[j] |= element.stop.is_none();
+            }
         }
-        let pushed = self.first_order.iter().flat_map(|state| &state.responses);
-        self.sprung.extend(pushed.map(|&(j, _)| j));
+        for &(j, _) in self.first_order.iter().flat_map(|state| &state.responses) {
+            self.sprung.push(j);
+            self.is_driven[j] = true;
+        }
         self.sprung.sort_unstable();
         self.sprung.dedup();
     }
@@ -423,9 +432,6 @@ impl<'s> Model<'s> {
                 Target::Load(_) | Target::Factor(_) | Target::Rate(_) => {}
             }
         }
-        for &j in &self.sprung {
-            self.is_driven[j] = true;
-        }
     }
 
     fn largest_distance(&self) -> usize {
@@ -486,12 +492,28 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// The force elements, without the laws of first-order states.
+    /// The force elements, without the laws of first-order states and without stops.
     pub(crate) fn force_elements(&self) -> &[ElementData<'s>] {
         let count = self
             .elements
-            .partition_point(|element| element.rate_of.is_none());
+            .partition_point(|element| element.rate_of.is_none() && element.stop.is_none());
         &self.elements[..count]
+    }
+
+    /// The number of the first stop among the elements.
+    pub(crate) fn first_stop(&self) -> usize {
+        self.elements
+            .partition_point(|element| element.stop.is_none())
+    }
+
+    /// The stops.
+    pub(crate) fn stops(&self) -> &[ElementData<'s>] {
+        &self.elements[self.first_stop()..]
+    }
+
+    /// The elements that act on coordinates: force elements, then stops.
+    pub(crate) fn forces_and_stops(&self) -> impl Iterator<Item = &ElementData<'s>> {
+        self.force_elements().iter().chain(self.stops())
     }
 
     /// The memory variables of a contact among those of all.

@@ -20,6 +20,8 @@ use crate::state::structure::State;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
     pub(crate) modes: Box<[Mode]>,
+    /// The piece of the law of each stop.
+    pub(crate) stops: Box<[usize]>,
     /// Coordinates with their own contact, which sticks to a surface of varying velocity.
     carried: Vec<(usize, Arc<Drive>)>,
     /// Other velocities that follow from contacts in stick, in this order.
@@ -55,10 +57,12 @@ impl Modes {
     /// The modes of a situation.
     pub(super) fn of(model: &Model<'_>, situation: &Situation) -> Self {
         let modes = situation.contacts.iter().map(ContactState::mode);
+        let stops = situation.elements[model.first_stop()..].iter();
         let mut all = Self {
             modes: modes.collect(),
             sliding: situation.sliding(model).map(|(c, _)| c).collect(),
             kinematics: Arc::clone(&model.kinematics),
+            stops: stops.map(|stop| stop.piece).collect(),
             ..Self::default()
         };
         for (c, contact) in model.contacts.iter().enumerate() {

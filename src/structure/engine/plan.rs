@@ -1,7 +1,6 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
 use super::coordinate_series::DisplacementSeries;
-use super::element_series::ElementSeries;
 use super::model::Model;
 use super::series::Series;
 use super::sizes::{load_terms, terms};
@@ -94,7 +93,7 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
                     series.surface.is_constant() && forces.all(|c| c.is_linear())
                 }
             })
-        && series.elements.iter().all(ElementSeries::rests)
+        && series.elements.iter().all(|of| !of.acts || of.rests())
         && series.states.iter().all(PowerSeries::is_constant)
 }
 
@@ -198,7 +197,7 @@ fn plan_within(
 ) -> f64 {
     let reaches = Reach {
         tolerance,
-        has_gaps: !(model.elements.is_empty() && model.functions.is_empty()),
+        has_gaps: series.is_pushed() || !model.functions.is_empty(),
     };
     plan.within = within;
     let scales = &mut plan.scales;

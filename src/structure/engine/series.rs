@@ -31,7 +31,8 @@ pub(super) struct Series {
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
     /// Present if all loads are constant, no contact has a normal spring, so that none opens, and
-    /// there are no force elements and no first-order states.
+    /// there are no force elements and no first-order states. A stop that is closed acts on no
+    /// group.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -46,7 +47,7 @@ impl Series {
             .iter()
             .any(|contact| !contact.reaction.is_empty());
         let is_simple = !has_springs
-            && model.elements.is_empty()
+            && model.first_stop() == 0
             && model.first_order.is_empty()
             && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
@@ -77,6 +78,11 @@ impl Series {
             groups: is_simple.then(|| Groups::new(model)),
             expander: Expander::new(),
         }
+    }
+
+    /// Returns true if an element acts: a force element, or a stop that is closed.
+    pub(super) fn is_pushed(&self) -> bool {
+        self.elements.iter().any(|of| of.acts)
     }
 
     /// The velocity of coordinate i over the step.

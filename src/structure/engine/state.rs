@@ -156,8 +156,9 @@ impl Situation {
             }
         });
         let elements = model.elements.iter().map(|element| {
-            let positions = element.along(|j| model.position(start, j));
-            ElementState::at(element, positions[0])
+            // The velocity of a first-order state counts as 0.
+            let velocity = |j: usize| start.velocities.get(j).copied().unwrap_or(0.0);
+            ElementState::at(element, |j| model.position(start, j), velocity)
         });
         let states = 0..model.first_order.len();
         let states = states.map(|state| model.position(start, model.len() + state));
@@ -257,10 +258,17 @@ impl Situation {
         list.extend(self.sliding(model).map(|(_, r)| r));
     }
 
-    /// Returns true if these are the modes of all contacts.
-    pub(super) fn is_in(&self, modes: &[Mode]) -> bool {
+    /// Returns true if these are the modes of all contacts, and the pieces of all stops.
+    pub(super) fn is_in(&self, modes: &[Mode], stops: &[usize]) -> bool {
         let mut modes = std::iter::zip(&self.contacts, modes);
+        let mut pieces = std::iter::zip(self.stops(stops.len()), stops);
         modes.all(|(contact, mode)| contact.mode() == *mode)
+            && pieces.all(|(stop, piece)| stop.piece == *piece)
+    }
+
+    /// The stops, which are so many.
+    pub(super) fn stops(&self, count: usize) -> &[ElementState] {
+        &self.elements[self.elements.len() - count..]
     }
 
     /// The error if the modes of contacts cannot be decided.

@@ -41,7 +41,14 @@ pub(super) fn land(
         Some(time) => Clock::at(time),
         None => situation.clock.after(h),
     };
-    let mut disturbance = if at_break {
+    let passages = std::iter::zip(&mut situation.elements, &firings.passages);
+    let mut jumps = at_break;
+    for (element, (state, passage)) in std::iter::zip(&model.elements, passages) {
+        if h > 0.0 || passage.is_some() {
+            jumps |= state.land(element, *passage);
+        }
+    }
+    let mut disturbance = if jumps {
         Disturbance::Jump
     } else {
         Disturbance::None
@@ -49,17 +56,12 @@ pub(super) fn land(
     for (state, series) in std::iter::zip(&mut situation.states, &series.states) {
         *state = series.at(h);
     }
-    for (state, passage) in std::iter::zip(&mut situation.elements, &firings.passages) {
-        if h > 0.0 || passage.is_some() {
-            state.land(*passage);
-        }
-    }
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
         series.contacts[c].relaxation = 0.0;
         // Otherwise nothing has changed for this contact since it decided.
-        if h > 0.0 || at_break || firing.is_some() {
-            let fired = land_contact(model, situation, series, c, firing, settled);
+        if h > 0.0 || jumps || firing.is_some() {
+            let fired = land_contact(model, situation, series, c, firing, (settled, jumps));
             if fired && disturbance == Disturbance::None {
                 disturbance = Disturbance::Event;
             }
@@ -67,8 +69,8 @@ pub(super) fn land(
     }
     for (mechanism, firing) in std::iter::zip(&mut situation.mechanisms, &firings.mechanisms) {
         mechanism.edge = match firing {
-            None if h == 0.0 && !at_break => mechanism.edge,
-            _ if at_break => Edge::Away,
+            None if h == 0.0 && !jumps => mechanism.edge,
+            _ if jumps => Edge::Away,
             Some((_, Firing::Bound(side))) => Edge::reached(Some(*side)),
             _ if mechanism.stays_along(model, series, h) => mechanism.edge,
             _ => Edge::Away,
@@ -113,14 +115,14 @@ fn land_contact(
     series: &Series,
     c: usize,
     mut firing: Option<Firing>,
-    settled: AcceptedStep,
+    (settled, jumps): (AcceptedStep, bool),
 ) -> bool {
     let (contact, h) = (&model.contacts[c], settled.duration);
     let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
     for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
         *memory = series.at(h);
     }
-    let stays = settled.at_break.is_none() && of.stays_along(state.edge, h);
+    let stays = !jumps && of.stays_along(state.edge, h);
     let edge = if stays { state.edge } else { Edge::Away };
     (state.edge, state.load_edge) = (edge, Edge::Away);
     state.entry = Entry::Held;
@@ -142,8 +144,10 @@ fn land_contact(
         }
     }
     match firing {
-        // Behind a break of a drive they may have jumped.
+        // Behind a break of a drive they may have jumped; where a stop closes, the forces that
+        // rigid contacts carry have.
         Some(Firing::Bound(_) | Firing::Load) if settled.at_break.is_some() => {}
+        Some(Firing::Bound(_)) if jumps && !contact.is_elastic() => {}
         Some(Firing::Bound(side)) => state.edge = Edge::reached(Some(side)),
         Some(Firing::Load) => state.load_edge = Edge::reached(None),
         _ => {}

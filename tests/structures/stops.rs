@@ -1,0 +1,479 @@
+//! Stops with spring and damper: closed forms, identities, what is refused.
+
+use approx::assert_abs_diff_eq;
+use stick_slip::structure::{NotSliding, State};
+use stick_slip::{
+    Backlash, Contact, Coulomb, Drive, Element, Error, Event, EventKind, ForceElement, Integrator,
+    Segment, Stop, Structure, Trajectory,
+};
+
+use crate::common::{Random, assert_message, count, message};
+use crate::plain::Plain;
+
+fn stop(made: Result<Stop, Error>, stiffness: f64, damping: f64) -> Stop {
+    made.and_then(|stop| stop.with_contact_stiffness(stiffness, damping))
+        .unwrap()
+}
+
+fn free(stop: Stop) -> Structure {
+    let mass = Structure::new(&[1.0]).unwrap();
+    mass.with_stop(stop).unwrap()
+}
+
+fn keys(motion: &Trajectory<State>) -> Vec<(Element, EventKind)> {
+    let events = motion.events().iter();
+    events.map(|event| (event.element, event.kind)).collect()
+}
+
+/// Rebounds of a free mass, to 25 digits: theory of the damped oscillator.
+#[test]
+fn a_free_mass_rebounds_as_the_formulas_say() {
+    let stiffness = 400.0_f64;
+    for (zeta, adhesive, restitution) in [
+        (0.3, false, 0.4509754528931284822070546),
+        (1.0, false, (-2.0_f64).exp()),
+        (0.3, true, 0.3723261049265864049046985),
+        (0.0, false, 1.0),
+    ] {
+        let damping = 2.0 * zeta * stiffness.sqrt();
+        let above = stop(Stop::above(0, 0.5, 0.0), stiffness, damping);
+        let above = if adhesive { above.adhesive() } else { above };
+        let motion = free(above)
+            .simulate(State::new(&[0.0], &[2.0]), 2.0)
+            .unwrap();
+        let [close, open] = motion.events() else {
+            panic!("{motion:?}")
+        };
+        let both = [
+            (Element::Stop(0), EventKind::Close),
+            (Element::Stop(0), EventKind::Open),
+        ];
+        assert_eq!(keys(&motion), both);
+        assert_eq!(close.time, 0.25);
+        assert_abs_diff_eq!(
+            -motion.last().velocities[0] / 2.0,
+            restitution,
+            epsilon = 2e-14
+        );
+        let omega = (stiffness * (1.0 - zeta * zeta)).sqrt();
+        let lasts = match (zeta, adhesive) {
+            (1.0, _) => 2.0 / stiffness.sqrt(),
+            (_, true) => std::f64::consts::PI / omega,
+            _ => 2.0 * f64::acos(zeta) / omega,
+        };
+        assert_abs_diff_eq!(open.time - close.time, lasts, epsilon = 1e-14);
+        // An adhesive stop opens at δ = 0, and so does one without damper.
+        let depth = open.state.displacements[0] - 0.5;
+        let is_late = adhesive || zeta == 0.0;
+        assert_eq!(depth.abs() < 1e-14, is_late, "{depth}");
+    }
+    // Strongly damped: e = exp(−2ζ acosh ζ/√(ζ² − 1)).
+    let zeta = 2.5_f64;
+    let strong = stop(Stop::below(0, -0.5, 1.0), 100.0, 20.0 * zeta);
+    let motion = free(strong)
+        .simulate(State::new(&[0.0], &[-1.0]), 2.0)
+        .unwrap();
+    let expected = (-2.0 * zeta * zeta.acosh() / (zeta * zeta - 1.0).sqrt()).exp();
+    assert_abs_diff_eq!(motion.last().velocities[0], expected, epsilon = 1e-14);
+}
+
+/// A shaken mass on a spring with friction, between two stops along a direction.
+fn shaken(sign: f64, stops: impl FnOnce(Structure) -> Structure) -> Structure {
+    let ground = Contact::new(0, Coulomb::new(0.3, 0.2).unwrap(), 0.4).unwrap();
+    let structure = Structure::new(&[1.0, 2.0])
+        .and_then(|s| s.with_ground_spring(0, 0.5)?.with_ground_spring(1, 3.0))
+        .and_then(|s| s.with_spring(0, 1, 0.7)?.with_ground_damper(1, 0.1))
+        .and_then(|s| {
+            s.with_force(0, Drive::sine(2.0 * sign, 1.3)?)?
+                .with_contact(ground)
+        })
+        .unwrap();
+    stops(structure)
+}
+
+/// Both stops of a play.
+fn both([above, below]: [f64; 2], stiffness: f64, damping: f64) -> [Stop; 2] {
+    [
+        stop(Stop::above(0, above, 0.0), stiffness, damping),
+        stop(Stop::below(0, below, 0.0), stiffness, damping),
+    ]
+}
+
+fn of_contacts(motion: &Trajectory<State>) -> Vec<&Event<State>> {
+    let events = motion.events().iter();
+    events.filter(|event| event.contact().is_some()).collect()
+}
+
+#[test]
+fn two_stops_without_damper_are_backlash() {
+    let [above, below] = both([0.4, -0.4], 80.0, 0.0);
+    let stops = shaken(1.0, |s| {
+        s.with_stop(above).unwrap().with_stop(below).unwrap()
+    });
+    let play = shaken(1.0, |s| {
+        let play = Backlash::new(80.0, 0.4).unwrap();
+        s.with_element(ForceElement::new(0, play).unwrap()).unwrap()
+    });
+    let [one, other] = [stops, play].map(|s| s.simulate(State::at_rest(2), 20.0).unwrap());
+    let [events, expected] = [&one, &other].map(of_contacts);
+    assert!(one.events().len() > events.len() + 10 && events.len() == expected.len());
+    for (a, b) in events.iter().zip(&expected) {
+        assert_eq!((a.element, a.kind), (b.element, b.kind));
+        assert_abs_diff_eq!(a.time, b.time, epsilon = 1e-12);
+    }
+    for (a, b) in one.last().velocities.iter().zip(other.last().velocities) {
+        assert_abs_diff_eq!(*a, b, epsilon = 1e-11);
+    }
+}
+
+/// A mirrored structure has the mirrored motion, to the bit; stops in another order, and in other
+/// units, the same.
+#[test]
+fn mirrored_permuted_and_in_other_units() {
+    let at = |gaps: [f64; 2]| both(gaps, 80.0, 3.0);
+    let run = |structure: Structure| structure.simulate(State::at_rest(2), 20.0).unwrap();
+    let [above, below] = at([0.4, -0.3]);
+    let motion = run(shaken(1.0, |s| {
+        s.with_stop(above.clone())
+            .unwrap()
+            .with_stop(below.clone())
+            .unwrap()
+    }));
+    let [mirrored_below, mirrored_above] = at([0.3, -0.4]);
+    let mirrored = run(shaken(-1.0, |s| {
+        let first = s.with_stop(mirrored_above).unwrap();
+        first.with_stop(mirrored_below).unwrap()
+    }));
+    let permuted = run(shaken(1.0, |s| {
+        s.with_stop(below).unwrap().with_stop(above).unwrap()
+    }));
+    assert!(motion.events().len() > 20);
+    assert_eq!(motion.events().len(), mirrored.events().len());
+    for (a, b) in motion.events().iter().zip(mirrored.events()) {
+        assert_eq!((a.time, a.element), (b.time, b.element));
+        assert_eq!(a.state.velocities[1], -b.state.velocities[1]);
+    }
+    let other = |element: Element| match element {
+        Element::Stop(k) => Element::Stop(1 - k),
+        other => other,
+    };
+    for (a, b) in motion.events().iter().zip(permuted.events()) {
+        assert_eq!((a.element, a.kind), (other(b.element), b.kind));
+        assert_abs_diff_eq!(a.time, b.time, epsilon = 1e-12);
+    }
+    // Lengths in units of 2⁻⁴, times of 2⁻²: velocities of 2⁻².
+    let scaled = |gap: f64| 16.0 * gap;
+    let (k, c) = (80.0 / 16.0, 3.0 / 4.0);
+    let law = Coulomb::new(0.3, 0.2).unwrap();
+    let units = Structure::new(&[1.0, 2.0])
+        .and_then(|s| {
+            s.with_ground_spring(0, 0.5 / 16.0)?
+                .with_ground_spring(1, 3.0 / 16.0)
+        })
+        .and_then(|s| {
+            s.with_spring(0, 1, 0.7 / 16.0)?
+                .with_ground_damper(1, 0.1 / 4.0)
+        })
+        .and_then(|s| s.with_force(0, Drive::sine(2.0, 1.3 / 4.0)?))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 0.4)?))
+        .and_then(|s| s.with_stop(stop(Stop::above(0, scaled(0.4), 0.0), k, c)))
+        .and_then(|s| s.with_stop(stop(Stop::below(0, scaled(-0.3), 0.0), k, c)))
+        .unwrap();
+    let units = units.simulate(State::at_rest(2), 80.0).unwrap();
+    assert_eq!(keys(&motion), keys(&units));
+    for (a, b) in motion.events().iter().zip(units.events()) {
+        assert_eq!(4.0 * a.time, b.time);
+        assert_eq!(16.0 * a.state.displacements[0], b.state.displacements[0]);
+    }
+}
+
+/// A stop that is never reached changes no bit.
+#[test]
+fn a_stop_out_of_reach_changes_nothing() {
+    let mut random = Random::new(77);
+    let mut compared = 0;
+    for i in 0..count(40, 400) {
+        let plain = match i % 2 {
+            0 => Plain::random(&mut random),
+            _ => Plain::shared(&mut random, false),
+        };
+        let start = plain.start(&mut random);
+        if i % 2 == 1 && !plain.is_clear(&start) {
+            continue;
+        }
+        let without = plain.structure();
+        let far = stop(Stop::above(0, 1e3, 0.0), 50.0, 2.0);
+        let with = without.clone().with_stop(far).unwrap();
+        let [one, other] = [without, with].map(|structure| {
+            let flow = Integrator::new().flow(&structure, start.clone()).unwrap();
+            let steps = flow.take(300).map_while(Result::ok);
+            steps
+                .map(|step| (step.end_time(), step.end_state()))
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(one, other, "{i}: {plain:?}\n{start:?}");
+        compared += one.len();
+    }
+    assert!(compared > 1000, "{compared}");
+}
+
+/// A random structure with stops.
+fn any(random: &mut Random) -> Option<(Structure, State)> {
+    let plain = match random.bits().is_multiple_of(2) {
+        true => Plain::random(random),
+        false => Plain::shared(random, false),
+    };
+    let plain = plain.with_stops(random);
+    let start = plain.start(random);
+    plain.is_clear(&start).then(|| (plain.structure(), start))
+}
+
+/// The energy balance holds, the dampers of stops turn energy into heat only, and the forces of
+/// samples are those of the law.
+#[test]
+fn energies_and_samples_of_stops() {
+    let mut random = Random::new(78);
+    let (mut heats, mut pressed) = (0, 0);
+    for i in 0..count(60, 600) {
+        let Some((structure, start)) = any(&mut random) else {
+            continue;
+        };
+        let Ok(motion) = structure.simulate(start, 10.0) else {
+            continue;
+        };
+        let budget = structure.energy_budget(&motion).unwrap();
+        let size = budget.friction_loss.iter().sum::<f64>() + budget.damper_loss + 1.0;
+        assert!(budget.defect().abs() < 1e-10 * size, "{i}: {budget:?}");
+        for (loss, stop) in budget.stop_loss.iter().zip(structure.stops()) {
+            let (_, damping) = stop.contact_stiffness().unwrap();
+            assert!(
+                *loss >= -1e-14 && (damping > 0.0 || loss.abs() < 1e-12),
+                "{i}: {loss}"
+            );
+            heats += usize::from(*loss > 1e-3);
+        }
+        for sample in structure.samples(&motion, 0.0371).unwrap() {
+            for (force, stop) in sample.stop_forces.iter().zip(structure.stops()) {
+                let along =
+                    |x: &[f64]| -> f64 { stop.direction().iter().map(|&(j, d)| d * x[j]).sum() };
+                let depth = -(stop.gap() + along(&sample.state.displacements));
+                let (stiffness, damping) = stop.contact_stiffness().unwrap();
+                let pressure = stiffness * depth - damping * along(&sample.state.velocities);
+                let expected = match stop.is_adhesive() || pressure > 0.0 {
+                    true if depth > 0.0 => pressure,
+                    _ => 0.0,
+                };
+                if depth.abs() > 1e-9 {
+                    assert_abs_diff_eq!(*force, expected, epsilon = 1e-10);
+                    pressed += usize::from(*force > 0.0);
+                }
+            }
+        }
+    }
+    assert!(heats > 20 && pressed > 300, "{heats} {pressed}");
+}
+
+/// A motion continues from any of its states: from its events, from unloaded stops too.
+#[test]
+fn motions_continue_from_their_states() {
+    let mut random = Random::new(79);
+    let mut compared = 0;
+    for i in 0..count(40, 400) {
+        let Some((structure, start)) = any(&mut random) else {
+            continue;
+        };
+        let end = 6.0;
+        let Ok(motion) = structure.simulate(start, end) else {
+            continue;
+        };
+        let of_stops = motion
+            .events()
+            .iter()
+            .filter(|event| event.contact().is_none());
+        let times: Vec<f64> = of_stops.map(|event| event.time).take(6).collect();
+        for (n, &time) in times.iter().enumerate() {
+            // At an event, and shortly after: an opened stop may then be unloaded.
+            let from = if n % 2 == 0 {
+                time
+            } else {
+                (time + 1e-3).min(end)
+            };
+            let state = motion.state_at(from).unwrap();
+            let again = Integrator::new()
+                .with_start_time(from)
+                .and_then(|integrator| integrator.simulate(&structure, state, end - from))
+                .unwrap();
+            let later = |motion: &Trajectory<State>| -> Vec<_> {
+                let events = motion.events().iter();
+                let events = events.filter(|event| event.time > from + 1e-9);
+                events.map(|event| (event.element, event.kind)).collect()
+            };
+            let (a, b) = (again.last(), motion.last());
+            let apart = a.displacements.iter().zip(&b.displacements);
+            let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            // Motions may be sensitive; then they part.
+            if apart < 1e-8 {
+                assert_eq!(later(&again), later(&motion), "{i} from {from}");
+                compared += 1;
+            }
+            let first = again
+                .events()
+                .iter()
+                .filter(|event| event.contact().is_none());
+            let too_early = first.filter(|event| event.time <= from + 1e-12).count();
+            assert_eq!(too_early, 0, "{i} from {from}: {structure:?}");
+        }
+    }
+    assert!(compared > 60, "{compared}");
+}
+
+/// A stop that just touches at rest, that is pressed from its contact on, and that is pulled away.
+#[test]
+fn stops_at_rest() {
+    for damping in [0.0, 2.0] {
+        let mass = |force: Drive| {
+            let above = stop(Stop::above(0, 0.0, 0.0), 10.0, damping);
+            Structure::new(&[1.0])
+                .and_then(|s| s.with_force(0, force)?.with_stop(above))
+                .unwrap()
+        };
+        let rest = mass(Drive::constant(0.0));
+        let motion = rest.simulate(State::at_rest(1), 1e6).unwrap();
+        assert_eq!(
+            (motion.events().len(), motion.last()),
+            (0, State::at_rest(1))
+        );
+        // At rest until t = 1.
+        let push = |size: f64| Drive::profile(&[(0.0, 0.0), (1.0, 0.0), (2.0, size)]).unwrap();
+        let pressed = mass(push(1.0)).simulate(State::at_rest(1), 1.5).unwrap();
+        assert!(keys(&pressed).len() <= 1, "{:?}", keys(&pressed));
+        assert!(pressed.last().displacements[0] > 1e-3);
+        let pulled = mass(push(-1.0)).simulate(State::at_rest(1), 1.5).unwrap();
+        assert_abs_diff_eq!(
+            pulled.last().displacements[0],
+            -0.125 / 6.0,
+            epsilon = 1e-15
+        );
+    }
+}
+
+/// Steady sliding against a closed stop, and exactly at the touch.
+#[test]
+fn steady_sliding_against_a_stop() {
+    let block = |gap: f64| {
+        let belt = Contact::new(0, Coulomb::new(0.4, 0.4).unwrap(), 1.0).unwrap();
+        Structure::new(&[2.0])
+            .and_then(|s| s.with_ground_spring(0, 0.5)?.with_ground_damper(0, 0.2))
+            .and_then(|s| s.with_contact(belt.on_belt(1.0)))
+            .and_then(|s| s.with_stop(stop(Stop::above(0, gap, 0.0), 4.5, 1.8)))
+            .unwrap()
+    };
+    // 0.4 = 0.5 q + 4.5 (q − 0.3)
+    let sliding = block(0.3).steady_sliding().unwrap();
+    assert_abs_diff_eq!(sliding.displacements[0], 1.75 / 5.0, epsilon = 1e-15);
+    // 2 s² + 2 s + 5 = 0
+    assert_abs_diff_eq!(sliding.eigenvalues[0].re, -0.5, epsilon = 1e-14);
+    assert_abs_diff_eq!(sliding.eigenvalues[0].im.abs(), 1.5, epsilon = 1e-14);
+    let open = block(1.0).steady_sliding().unwrap();
+    assert_abs_diff_eq!(open.displacements[0], 0.8, epsilon = 1e-15);
+    assert_abs_diff_eq!(open.eigenvalues[0].re, -0.05, epsilon = 1e-14);
+    match block(0.8).steady_sliding() {
+        Err(Error::NoSteadySliding(NotSliding::AtBreakpoint { element, .. })) => {
+            assert_eq!(element, Element::Stop(0));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A gap of any size between two masses: the first hits the second, which carries its impulse on.
+#[test]
+fn two_masses_collide() {
+    let structure = Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_stop(stop(Stop::between(0, 1, 0.5, 0.0), 1e6, 0.0)))
+        .unwrap();
+    let motion = structure
+        .simulate(State::new(&[0.0, 0.0], &[1.0, 0.0]), 1.0)
+        .unwrap();
+    assert_abs_diff_eq!(motion.events()[0].time, 0.5, epsilon = 1e-15);
+    assert_abs_diff_eq!(motion.last().velocities[0], 0.0, epsilon = 1e-12);
+    assert_abs_diff_eq!(motion.last().velocities[1], 1.0, epsilon = 1e-12);
+}
+
+#[test]
+fn stops_say_what_they_are() {
+    let made = stop(Stop::between(2, 0, 0.5, 0.7), 3.0, 0.25);
+    assert_eq!(made.direction(), [(0, 1.0), (2, -1.0)]);
+    assert_eq!((made.gap(), made.restitution()), (0.5, 0.7));
+    assert_eq!(made.contact_stiffness(), Some((3.0, 0.25)));
+    assert!(!made.is_adhesive() && made.clone().adhesive().is_adhesive());
+    assert_ne!(made, made.clone().adhesive());
+    assert_eq!(Stop::above(1, 2.0, 0.0).unwrap().direction(), [(1, -1.0)]);
+    assert_eq!(Stop::below(1, 2.0, 0.0).unwrap().gap(), -2.0);
+    assert_eq!(Stop::above(1, 2.0, 0.0).unwrap().contact_stiffness(), None);
+    let structure = Structure::new(&[1.0; 3])
+        .unwrap()
+        .with_stop(made.clone())
+        .unwrap();
+    assert_eq!(structure.stops(), std::slice::from_ref(&made));
+    assert_eq!(structure.frozen(1.0).unwrap(), structure);
+    assert!(format!("{made:?}").contains("gap: 0.5"));
+}
+
+#[test]
+fn bad_stops_are_refused() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        message(Stop::above(0, bad, 0.0), &["Stop", "gap"]);
+        message(Stop::below(0, bad, 0.0), &["Stop", "gap"]);
+        message(Stop::along(&[(0, bad)], 0.0, 0.0), &["direction"]);
+        message(
+            Stop::above(0, 1.0, bad),
+            &["restitution", "0 ≤ restitution ≤ 1"],
+        );
+        let made = || Stop::above(0, 1.0, 0.0).unwrap();
+        message(made().with_contact_stiffness(bad, 0.0), &["stiffness > 0"]);
+        message(made().with_contact_stiffness(1.0, bad), &["damping ≥ 0"]);
+    }
+    for bad in [-0.1, 1.1] {
+        message(
+            Stop::above(0, 1.0, bad),
+            &["restitution", "0 ≤ restitution ≤ 1"],
+        );
+    }
+    message(Stop::between(1, 1, 1.0, 0.0), &["direction"]);
+    message(Stop::along(&[], 1.0, 0.0), &["direction"]);
+    let made = Stop::above(0, 1.0, 0.5).unwrap();
+    message(
+        made.clone().with_contact_stiffness(0.0, 0.0),
+        &["stiffness > 0"],
+    );
+    message(
+        made.clone().with_contact_stiffness(1.0, -1.0),
+        &["damping ≥ 0"],
+    );
+    let mass = || Structure::new(&[1.0]).unwrap();
+    let error = mass().with_stop(made).unwrap_err();
+    assert_eq!(error, Error::RigidStop { stop: 0 });
+    assert_message(&error, &["stop 0", "with_contact_stiffness(k, c)"]);
+    let far = stop(Stop::above(3, 1.0, 0.0), 1.0, 0.0);
+    message(mass().with_stop(far), &["stop 0", "coordinate 3"]);
+    // A motion of another structure.
+    let motion = mass().simulate(State::at_rest(1), 1.0).unwrap();
+    let with = mass()
+        .with_stop(stop(Stop::above(0, 1.0, 0.0), 1.0, 0.0))
+        .unwrap();
+    message(with.energy_budget(&motion), &["stops: 0 given; 1"]);
+}
+
+/// Stiff stops cost about five steps an impact, whatever their stiffness.
+#[test]
+fn the_cost_of_an_impact_does_not_grow_with_the_stiffness() {
+    let steps = [1e4, 1e8, 1e12].map(|stiffness: f64| {
+        let damping = 0.4 * stiffness.sqrt();
+        let motion = free(stop(Stop::above(0, 1.0, 0.0), stiffness, damping))
+            .simulate(State::new(&[0.0], &[1.0]), 2.0)
+            .unwrap();
+        assert_eq!(motion.events().len(), 2);
+        motion.steps().len()
+    });
+    assert!(steps.iter().all(|count| *count <= 12), "{steps:?}");
+}
