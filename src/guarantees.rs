@@ -195,9 +195,11 @@
 //!   `structures::stops::two_stops_without_damper_are_backlash`,
 //!   `structures::stops::energies_and_samples_of_stops`,
 //!   `structures::stops::motions_continue_from_their_states`. The reference motions with stops
-//!   agree as those without: `structures::trajectories::stops_have_the_reference_events_and_states`. A
-//!   stop that is never reached changes no bit:
-//!   `structures::stops::a_stop_out_of_reach_changes_nothing`.
+//!   agree as those without:
+//!   `structures::trajectories::stops_have_the_reference_events_and_states`. A stop that is never
+//!   reached changes no bit: `structures::stops::a_stop_out_of_reach_changes_nothing`. Multipliers
+//!   are those of differences, also where a stop releases contacts:
+//!   `orbit::stops::saltation_at_stops_agrees_with_differences`.
 //! * **Steady sliding with force elements** is one of several solutions, found by Newton's method
 //!   from given displacements; no completeness is promised:
 //!   `structures::forces::steady_sliding_is_found_with_nonlinear_forces`.

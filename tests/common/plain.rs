@@ -488,6 +488,9 @@ impl Plain {
         for element in &mut self.elements {
             element.direction = element.direction.clone().resize_vertically(all, 0.0);
         }
+        for stop in &mut self.stops {
+            stop.inward = stop.inward.clone().resize_vertically(all, 0.0);
+        }
         for _ in 0..r {
             self.forces.push(PlainDrive::random(random, 0.3, true));
         }

@@ -15,8 +15,8 @@ use stick_slip::{
     AnyLaw, Backlash, Coulomb, CycleKind, CycleSet, Direction, Element, EnergyBudget, Equilibrium,
     Error, Event, EventKind, Exponential, FirstOrder, Flow, ForceElement, FrictionLaw, Integrator,
     Iwan4, LimitCycle, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring,
-    Rational, Reached, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Step, Stribeck,
-    Tabulated, TabulatedForce, Trajectory, VanDerPol, structure,
+    Rational, Reached, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Step, Stop,
+    Stribeck, Tabulated, TabulatedForce, Trajectory, VanDerPol, structure,
 };
 
 #[test]
@@ -39,6 +39,7 @@ fn types_have_the_common_traits() {
     value::<Tabulated>();
     value::<FirstOrder>();
     value::<ForceElement>();
+    value::<Stop>();
     value::<PolynomialSpring>();
     value::<TabulatedForce>();
     value::<MassOnBelt<AnyLaw>>();

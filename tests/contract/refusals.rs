@@ -12,8 +12,8 @@ use stick_slip::{
     Backlash, Contact, ContactLaw, Coulomb, Dahl, Directional, Drive, Dwell, Error, EventKind,
     Exponential, FirstOrder, ForceElement, ForceLaw, Integrator, Iwan4, LuGre, MassOnBelt, Motion,
     Pendulum, Physical, Polynomial, PolynomialSpring, RateState, Rational, Scalar, Scaled, Scaling,
-    Search, Slip, SnapThrough, State, Stribeck, Structure, Tabulated, TabulatedForce, TimeFunction,
-    VanDerPol, bifurcation, check_law, structure,
+    Search, Slip, SnapThrough, State, Stop, Stribeck, Structure, Tabulated, TabulatedForce,
+    TimeFunction, VanDerPol, bifurcation, check_law, structure,
 };
 use stick_slip_tests_common::masses::driven as forced;
 use stick_slip_tests_common::polynomials::Polynomials;
@@ -107,6 +107,10 @@ macro_rules! cases {
     ($($of:literal $name:literal $bad:expr, |$x:ident| $call:expr;)*) => {
         vec![$(($of, $name, $bad as &[f64], call(move |$x| $call)) as Case),*]
     };
+}
+
+fn stop() -> Result<Stop, Error> {
+    Stop::above(0, 1.0, 0.0)
 }
 
 fn law() -> Exponential {
@@ -313,6 +317,12 @@ fn systems() -> Vec<Case> {
         "Drive" "value" &ANY, |x| Drive::function(Timed([1.0, 1.0, 1.0, x]));
         "Contact" "load" NOT_ABOVE, |x| Contact::new(0, law(), x);
         "Contact" "gradient" &ANY, |x| Contact::new(0, law(), 1.0)?.with_load_gradient(0, x);
+        "Stop" "q_max" &ANY, |x| Stop::above(0, x, 0.0);
+        "Stop" "q_min" &ANY, |x| Stop::below(0, x, 0.0);
+        "Stop" "gap" &ANY, |x| Stop::between(0, 1, x, 0.0);
+        "Stop" "restitution" &[-0.1, 1.1], |x| Stop::between(0, 1, 1.0, x);
+        "Stop" "stiffness" NOT_ABOVE, |x| stop()?.with_contact_stiffness(x, 0.0);
+        "Stop" "damping" BELOW, |x| stop()?.with_contact_stiffness(1.0, x);
         "FirstOrder" "time_constant" &[-1.0, 0.0, -0.0, 5e-324], |x| FirstOrder::lag(x);
         "FirstOrder" "gain" &ANY, |x| FirstOrder::integrator().with_displacement(0, x);
         "FirstOrder" "gain" &ANY, |x| FirstOrder::integrator().with_velocity(0, x);

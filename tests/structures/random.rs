@@ -283,12 +283,18 @@ fn a_simple_integrator_sees_the_same_events_with_force_elements() {
     compare_with(502, Plain::with_elements);
 }
 
-/// The same with stops, some of them adhesive or without damper.
+/// The same with stops, some of them adhesive or without damper; and with stops, force elements and
+/// first-order states.
 #[test]
 fn a_simple_integrator_sees_the_same_events_with_stops() {
-    let found = compare_with(503, Plain::with_stops);
-    let of_stops = found.iter().filter(|seen| seen.1 >= STOPS).count();
-    assert!(of_stops > 3 * count(30, 300), "{of_stops}");
+    let all = |plain: Plain, random: &mut Random| {
+        let plain = plain.with_elements(random).with_stops(random);
+        plain.with_states(random)
+    };
+    for found in [compare_with(503, Plain::with_stops), compare_with(504, all)] {
+        let of_stops = found.iter().filter(|seen| seen.1 >= STOPS).count();
+        assert!(of_stops > 3 * count(30, 300), "{of_stops}");
+    }
 }
 
 /// Compares the events of random structures with some additions; returns those of the crate.
