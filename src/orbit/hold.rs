@@ -360,7 +360,7 @@ impl<'s> HeldFlow<'s> {
             let value = model.position(state, model.len() + number);
             terms.push(entry(&data.responses, i) * value);
         }
-        for element in model.force_elements() {
+        for element in model.forces_and_stops() {
             let factor = element.factor.value(time);
             let tangent = element.tangent(&state.displacements, &state.velocities);
             for (k, response) in element.responses.iter().enumerate() {

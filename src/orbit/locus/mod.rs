@@ -100,9 +100,10 @@ use crate::search::Search;
 /// point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). The parameters of this end are
 /// extrapolated, with an error of about 1e-8 of the ranges, and 1e-7 if the system drifts.
 ///
-/// For four changes of events no curve can be computed:
+/// For five changes of events no curve can be computed:
 ///
 /// * a sticking contact reaches its limit tangentially;
+/// * a [stop](crate::Stop) is touched;
 /// * a load falls to 0 and opens a contact;
 /// * a drive jumps;
 /// * a stop begins at a contact that does not have its coordinate to itself.
