@@ -387,6 +387,57 @@ fn extreme_stops_end_in_a_motion_or_an_error() {
     assert!(motions > 200 && errors > 0, "{motions} {errors}");
 }
 
+/// Elastic contacts, and one with a normal spring that opens: a stop out of reach changes nothing,
+/// and two without damper are backlash.
+#[test]
+fn stops_beside_elastic_contacts() {
+    let law = || Coulomb::new(0.3, 0.3).unwrap();
+    let make = |add: &dyn Fn(Structure) -> Structure| {
+        let slider = Contact::new(1, law(), 0.8).and_then(|c| c.with_tangential_stiffness(30.0));
+        let pad = Contact::new(2, law(), 0.5).and_then(|c| c.with_normal_spring(&[(0, 1.0)], 2.0));
+        let structure = Structure::new(&[1.0, 2.0, 1.5])
+            .and_then(|s| s.with_ground_spring(0, 0.5)?.with_ground_spring(1, 3.0))
+            .and_then(|s| s.with_spring(0, 1, 0.7)?.with_spring(1, 2, 1.1))
+            .and_then(|s| s.with_force(0, Drive::sine(2.0, 1.3)?))
+            .and_then(|s| s.with_contact(slider?)?.with_contact(pad?))
+            .unwrap();
+        let structure = add(structure);
+        let motion = structure.simulate(State::at_rest(3), 15.0).unwrap();
+        (structure.energy_budget(&motion).unwrap(), motion)
+    };
+    let (_, without) = make(&|s| s);
+    assert!(without.events().len() > 10);
+    let far = stop(Stop::above(0, 1e3, 0.0), 50.0, 2.0);
+    let (_, with) = make(&|s| s.with_stop(far.clone()).unwrap());
+    assert_eq!(keys(&without), keys(&with));
+    for (a, b) in without.events().iter().zip(with.events()) {
+        assert_abs_diff_eq!(a.time, b.time, epsilon = 1e-12);
+    }
+    let add = |gap: f64, damping: f64| {
+        move |s: Structure| {
+            let [above, below] = both([gap, -gap], 80.0, damping);
+            s.with_stop(above).unwrap().with_stop(below).unwrap()
+        }
+    };
+    let (budget, damped) = make(&add(0.4, 3.0));
+    assert!(
+        budget.defect().abs() < 1e-12 && budget.stop_loss[0] > 0.1,
+        "{budget:?}"
+    );
+    assert!(damped.events().len() > 20);
+    let (_, stops) = make(&add(0.4, 0.0));
+    let (_, play) = make(&|s| {
+        let play = Backlash::new(80.0, 0.4).unwrap();
+        s.with_element(ForceElement::new(0, play).unwrap()).unwrap()
+    });
+    let [events, expected] = [&stops, &play].map(of_contacts);
+    assert!(stops.events().len() > events.len() + 4 && events.len() == expected.len());
+    for (a, b) in events.iter().zip(&expected) {
+        assert_eq!((a.element, a.kind), (b.element, b.kind));
+        assert_abs_diff_eq!(a.time, b.time, epsilon = 1e-11);
+    }
+}
+
 /// A motion continues from any of its states: from its events, from unloaded stops too.
 #[test]
 fn motions_continue_from_their_states() {
