@@ -28,7 +28,7 @@ pub use structure::{Element, NotSliding};
 /// | constructors of laws and of a [`MassOnBelt`](crate::MassOnBelt) | [`InvalidParameter`](Self::InvalidParameter), [`BadPoint`](Self::BadPoint), [`StaticBelowKinetic`](Self::StaticBelowKinetic), [`NonFiniteFriction`](Self::NonFiniteFriction), [`BadBreakpoints`](Self::BadBreakpoints) |
 /// | every motion | [`InvalidState`](Self::InvalidState), [`InvalidTolerance`](Self::InvalidTolerance), [`InvalidDuration`](Self::InvalidDuration), [`NonFiniteFriction`](Self::NonFiniteFriction), [`NotAnalytic`](Self::NotAnalytic), [`StepUnderflow`](Self::StepUnderflow), [`TooManySteps`](Self::TooManySteps), [`TooManyEvents`](Self::TooManyEvents) |
 /// | constructors of a [`Structure`](crate::Structure) | [`BadElement`](Self::BadElement), [`NoSuchCoordinate`](Self::NoSuchCoordinate), [`NoSuchState`](Self::NoSuchState), [`WrongSize`](Self::WrongSize), [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite), [`BadDirection`](Self::BadDirection), [`RigidStop`](Self::RigidStop), [`LawNotConstant`](Self::LawNotConstant), [`BeltVelocityJumps`](Self::BeltVelocityJumps) |
-/// | motions of a [`Structure`](crate::Structure), also of its steady sliding | [`WrongSize`](Self::WrongSize), [`OverLimit`](Self::OverLimit), [`Separation`](Self::Separation), [`TooManyMechanisms`](Self::TooManyMechanisms), [`Jammed`](Self::Jammed), [`WrongWay`](Self::WrongWay), [`NoSteadySliding`](Self::NoSteadySliding), [`NonFiniteForce`](Self::NonFiniteForce), [`NotAnalyticForce`](Self::NotAnalyticForce), [`NonFiniteRate`](Self::NonFiniteRate), [`NotAnalyticRate`](Self::NotAnalyticRate) |
+/// | motions of a [`Structure`](crate::Structure), also of its steady sliding | [`WrongSize`](Self::WrongSize), [`OverLimit`](Self::OverLimit), [`Separation`](Self::Separation), [`TooManyMechanisms`](Self::TooManyMechanisms), [`Jammed`](Self::Jammed), [`WrongWay`](Self::WrongWay), [`NoSteadySliding`](Self::NoSteadySliding), [`NonFiniteForce`](Self::NonFiniteForce), [`NotAnalyticForce`](Self::NotAnalyticForce), [`NonFiniteLoad`](Self::NonFiniteLoad), [`NotAnalyticLoad`](Self::NotAnalyticLoad), [`NonFiniteRate`](Self::NonFiniteRate), [`NotAnalyticRate`](Self::NotAnalyticRate) |
 /// | searches along a parameter | [`At`](Self::At), [`Stopped`](Self::Stopped) |
 /// | searches of [`orbit`](crate::orbit) | [`NotPeriodic`](Self::NotPeriodic), [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree), [`AtRest`](Self::AtRest), [`NoHopfPoint`](Self::NoHopfPoint), [`NoSwitch`](Self::NoSwitch), [`NotSmooth`](Self::NotSmooth), [`NoDerivative`](Self::NoDerivative) |
 ///
@@ -274,6 +274,43 @@ pub enum Error {
         /// Number of the state, counted from 0.
         state: usize,
         /// The input x of the law.
+        position: f64,
+        /// The time and state reached.
+        reached: Reached,
+    },
+
+    /// A [load law](crate::Contact::with_load_law) returned NaN or ±∞ on a motion, or grows without
+    /// bound there: the motion runs into a pole of the load.
+    #[error(
+        "a load law of contact {contact} gives no finite number, or grows without bound, at \
+         position {} and velocity {} {reached}; define the load at every position that the motion \
+         reaches, or stop the motion before a pole",
+        Plain(*position),
+        Plain(*velocity)
+    )]
+    NonFiniteLoad {
+        /// Number of the contact, counted from 0.
+        contact: usize,
+        /// Position x along the direction of the law.
+        position: f64,
+        /// Velocity y along this direction.
+        velocity: f64,
+        /// The time and state reached.
+        reached: Reached,
+    },
+
+    /// A [load law](crate::Contact::with_load_law) has no power series at a position that the
+    /// motion reaches, such as x^(3/2) at x = 0.
+    #[error(
+        "a load law of contact {contact} is not analytic at position {} {reached}; use integer \
+         powers there, or declare the position as a breakpoint and define the pieces by functions \
+         that are analytic on both sides of it, for example through points",
+        Plain(*position)
+    )]
+    NotAnalyticLoad {
+        /// Number of the contact, counted from 0.
+        contact: usize,
+        /// Position x along the direction of the law.
         position: f64,
         /// The time and state reached.
         reached: Reached,

@@ -149,8 +149,8 @@
 //!   `structures::directional::large_limits_are_infinite_ones`,
 //!   `structures::directional::mirrored_systems_move_mirrored`.
 //! * **Loads.** If a load that depends on time alone falls below 0 and rises again, its contact
-//!   opens and closes. A load that only touches 0 causes no event. If a contact has a
-//!   load gradient and no normal spring, and its load falls to 0, the motion ends with
+//!   opens and closes. A load that only touches 0 causes no event. If a contact has a load
+//!   gradient, no normal spring and no load law, and its load falls to 0, the motion ends with
 //!   [`Error::Separation`](crate::Error::Separation):
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,

@@ -81,7 +81,7 @@
 //! | a controller | integral action (PID), a motor's current, an actuator, a filter: [`FirstOrder`]; proportional feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; nonlinear feedback: your own [`ForceField`], or a law in a [`FirstOrder`]; delays are not available |
 //! | a Maxwell damper, a viscoelastic mount | [`FirstOrder::lag`] |
 //! | a nonlinear damper, or any other force of displacements and velocities | [`VanDerPol`], or your own [`ForceLaw`] or [`ForceField`] |
-//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate |
+//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate, [`Contact::with_load_law`] for any other load: a bead on a ring, an oblique spring |
 //! | friction that depends on the direction: scaled skin, crawlers, hair, nap | [`Directional`] of two laws, or your own [`ContactLaw`] with [`limits`](ContactLaw::limits); a [`FrictionLaw`] is odd in the relative velocity |
 //! | a rope or a band around a drum (capstan, band brake) | [`Directional::capstan`] |
 //! | a freewheel, a one-way clutch, a backstop | [`Contact::freewheel`], also with drag; along any direction: [`Freewheel`] |

@@ -890,6 +890,32 @@ fn a_users_own_function_of_time_is_not_written() {
     );
 }
 
+/// A load law is written as a force element; one at an elastic contact, and a gap that nothing
+/// closes, are refused.
+#[test]
+fn load_laws_are_written() {
+    let spring = PolynomialSpring::new(&[0.5, 0.25]).unwrap();
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 0.0)
+        .and_then(|c| c.with_load_law(&[(0, 1.0)], spring))
+        .unwrap();
+    let text = there_and_back(
+        &Structure::new(&[1.0])
+            .unwrap()
+            .with_contact(contact)
+            .unwrap(),
+    );
+    assert!(
+        text.contains(r#""load_laws":[{"direction":[[0,1.0]]"#),
+        "{text}"
+    );
+    let elastic = text.replace(
+        r#""load_laws""#,
+        r#""tangential_stiffness":1.0,"load_laws""#,
+    );
+    assert_ne!(elastic, text);
+    assert!(serde_json::from_str::<Structure>(&elastic).is_err());
+}
+
 #[test]
 fn what_is_diagonal_is_written_as_masses() {
     let law = Coulomb::new(0.4, 0.3).unwrap();

@@ -142,6 +142,23 @@ fn describe(error: &Error, to: &Bound<'_, PyDict>) -> PyResult<()> {
         Error::BadBreakpoints { index, value } => {
             fields!(to: index, value);
         }
+        Error::NonFiniteLoad {
+            contact,
+            position,
+            velocity,
+            reached,
+        } => {
+            fields!(to: contact, position, velocity);
+            reach(Some(reached), to)?;
+        }
+        Error::NotAnalyticLoad {
+            contact,
+            position,
+            reached,
+        } => {
+            fields!(to: contact, position);
+            reach(Some(reached), to)?;
+        }
         Error::NonFiniteForce {
             element,
             position,
@@ -302,6 +319,7 @@ fn not_sliding(reason: &NotSliding, to: &Bound<'_, PyDict>) -> PyResult<()> {
         } => fields!(to: contact, force, limit),
         NotSliding::NotFound { residual, load } => fields!(to: residual, load),
         NotSliding::AtBreakpoint { element, position } => fields!(to: element, position),
+        NotSliding::LoadAtBreakpoint { contact, position } => fields!(to: contact, position),
         _ => {}
     }
     Ok(())

@@ -72,7 +72,9 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
-    /// The normal load of a contact is not positive in steady sliding.
+    /// The normal load of a contact is not positive in steady sliding, and it can not be found open
+    /// either: a load that follows displacements is 0 to the last digit, or a load gradient alone
+    /// presses it, so that the surfaces part.
     NoLoad {
         /// Number of the contact.
         contact: usize,
@@ -129,6 +131,14 @@ pub enum NotSliding {
     AtBreakpoint {
         /// The force element or the stop.
         element: Element,
+        /// The position x.
+        position: f64,
+    },
+    /// The position of a [load law](crate::Contact::with_load_law) is exactly on a breakpoint of
+    /// the law, so that the slope of the load differs on both sides.
+    LoadAtBreakpoint {
+        /// Number of the contact.
+        contact: usize,
         /// The position x.
         position: f64,
     },
@@ -201,6 +211,12 @@ impl std::fmt::Display for NotSliding {
                 f,
                 "{element} is on a breakpoint of its law, at {}: its stiffness differs on both \
                  sides; change a load slightly",
+                Plain(*position)
+            ),
+            Self::LoadAtBreakpoint { contact, position } => write!(
+                f,
+                "a load law of contact {contact} is on a breakpoint, at {}: the slope of the load \
+                 differs on both sides; change a load slightly",
                 Plain(*position)
             ),
             Self::Singular => f.write_str(

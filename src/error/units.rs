@@ -134,6 +134,8 @@ impl Error {
             | Self::WrongWay { .. }
             | Self::LawNotConstant { .. }
             | Self::NonFiniteForce { .. }
+            | Self::NonFiniteLoad { .. }
+            | Self::NotAnalyticLoad { .. }
             | Self::NotAnalyticForce { .. }
             | Self::NonFiniteRate { .. }
             | Self::NotAnalyticRate { .. }

@@ -75,7 +75,7 @@ pub struct EnergyBudget<C = Vec<f64>> {
     pub friction_loss: C,
     /// Work of the moving base of each normal spring, ∫ N (N0' + n·v)/k_n dt. N is the load; the
     /// base moves by (N0 + n·q)/k_n. N0(t) is the load given to the contact, and n its load
-    /// gradient. 0 for a contact without a normal spring.
+    /// gradient; a load law φ is a part of N0 here. 0 for a contact without a normal spring.
     pub normal_work: C,
     /// Work of each force element beyond its potential, ∫ (D' U − D Σ y_i (F_i − ∂U/∂x_i)) dt: 0
     /// if its force has a potential and its factor is constant; without a potential, all its work.

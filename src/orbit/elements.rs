@@ -4,6 +4,9 @@
 //! M δv' = … − Σ_i a_i D Σ_j (∂F_i/∂x_j a_j·δq + ∂F_i/∂y_j a_j·δv)
 //! ```
 //!
+//! The part of a contact's load that has a law is an element, too: its force is a perturbation of
+//! the load.
+//!
 //! The forces of force elements are continuous, and passages of breakpoints change their slopes
 //! only: the saltation matrix of a passage is S = I. That of a stop whose force jumps is in
 //! `saltation.rs`.
@@ -33,6 +36,14 @@ impl ElementDerivatives {
             slopes.collect()
         };
         Self((0..2 * element.directions.len()).map(by).collect())
+    }
+
+    /// D F of element number `e`, of one direction, such as a part of a load.
+    pub(super) fn force(model: &Model<'_>, e: usize, step: &Step) -> PowerSeries {
+        let element = &model.elements[e];
+        let factor = element.factor.series(step.clock());
+        let forces = element.law.series(Along::of(model, e, step).place());
+        product(&factor, &forces[0])
     }
 
     /// The rate of each D F_i of element number `e` at the end of a step.

@@ -16,7 +16,7 @@ use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 use crate::state::structure::State;
-use crate::structure::engine::contact::{ContactData, entry};
+use crate::structure::engine::contact::entry;
 use crate::structure::{Flow, Step};
 
 use std::ops::ControlFlow;
@@ -337,11 +337,12 @@ impl<'s> HeldFlow<'s> {
             return;
         };
         let mut stiffness = model.stiffness.row(i).0;
-        let load = |contact: &ContactData<'_>| contact.load_at(time, |j| state.displacements[j]);
+        let load =
+            |c: usize| model.load_at(c, time, |j| state.displacements[j], |j| state.velocities[j]);
         let mut terms = vec![
             model.forces[i].value(time) * contact.compliance,
             -contact.belt_velocity.series(Clock::at(time))[1],
-            -sign * limit * load(contact) * contact.compliance,
+            -sign * limit * load(hold.contact) * contact.compliance,
         ];
         let rows = [
             (&model.stiffness, &state.displacements),
@@ -352,9 +353,9 @@ impl<'s> HeldFlow<'s> {
             terms.push(-own * numbers[i]);
             terms.extend(beside.iter().map(|&(j, a)| -a * numbers[j]));
         }
-        for contact in &model.contacts {
+        for (c, contact) in model.contacts.iter().enumerate() {
             let own = contact.reaction.iter().filter(|(j, _)| *j == i);
-            terms.extend(own.map(|(_, y)| -y * load(contact)));
+            terms.extend(own.map(|(_, y)| -y * load(c)));
         }
         for (number, data) in model.first_order.iter().enumerate() {
             let value = model.position(state, model.len() + number);

@@ -139,11 +139,21 @@ impl<'e> Equations<'e> {
             if !states.is_empty() {
                 self.add_states::<W, FUSED>((q, v), states, k);
             }
+            for (contact, load) in std::iter::zip(&model.contacts, &mut *loads) {
+                if !contact.load_laws.is_empty() {
+                    load[k] = [0.0; W];
+                }
+            }
             let mut inputs = &mut *inputs;
             for (element, derivatives) in std::iter::zip(&model.elements, &linear.elements) {
                 let own;
                 (own, inputs) = inputs.split_at_mut(derivatives.0.len());
-                self.add_element::<W, FUSED>((q, v), (states, own), element, derivatives, k);
+                let motion = (&*q, &mut *v);
+                let sum =
+                    self.add_element::<W, FUSED>(motion, (states, own), element, derivatives, k);
+                if let Some(c) = element.pressed {
+                    add::<W, FUSED>(&mut loads[c][k], 1.0, &sum);
+                }
             }
             let memories = contacts;
             let derived = std::iter::zip(&mut *slips, &mut *loads);
@@ -154,7 +164,12 @@ impl<'e> Equations<'e> {
                     slip[k] = sum_of::<W, FUSED>([0.0; W], &contact.direction, v, k);
                 }
                 if joint.takes_load() {
-                    load[k] = sum_of::<W, FUSED>([0.0; W], &contact.load_gradient, q, k);
+                    let laws = if contact.load_laws.is_empty() {
+                        [0.0; W]
+                    } else {
+                        load[k]
+                    };
+                    load[k] = sum_of::<W, FUSED>(laws, &contact.load_gradient, q, k);
                 }
                 if joint.acts() {
                     let mut sum = [0.0; W];
@@ -212,7 +227,8 @@ impl<'e> Equations<'e> {
         }
     }
 
-    /// Order k of the force of an element, or of the law of a first-order state.
+    /// Adds order k of the forces of an element, or of the law of a first-order state; returns that
+    /// of the last of them.
     #[inline(always)]
     fn add_element<const W: usize, const FUSED: bool>(
         &self,
@@ -221,8 +237,9 @@ impl<'e> Equations<'e> {
         element: &ElementData<'_>,
         ElementDerivatives(derivatives): &ElementDerivatives,
         k: usize,
-    ) {
+    ) -> Lanes<W> {
         let (positions, velocities) = inputs.split_at_mut(element.directions.len());
+        let mut last = [0.0; W];
         for (i, direction) in element.directions.iter().enumerate() {
             // A law of a state has this one input.
             if let [(j, 1.0)] = direction[..]
@@ -247,7 +264,9 @@ impl<'e> Equations<'e> {
                     }
                 }
             }
+            last = sum;
         }
+        last
     }
 
     #[inline(always)]

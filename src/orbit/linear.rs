@@ -119,6 +119,7 @@ impl Linear {
                 contact,
                 step,
                 memories: step.series().get(variables).unwrap_or(&[]),
+                model,
             };
             along.joint(step.modes()[number])
         });
@@ -164,6 +165,7 @@ struct ContactAlong<'a> {
     contact: &'a ContactData<'a>,
     step: &'a Step,
     memories: &'a [PowerSeries],
+    model: &'a Model<'a>,
 }
 
 impl ContactAlong<'_> {
@@ -235,7 +237,7 @@ impl ContactAlong<'_> {
         joint: &mut ContactDerivatives,
         (motion, load): (Motion<&PowerSeries>, &PowerSeries),
     ) {
-        if joint.rates.is_empty() || self.contact.load_gradient.is_empty() {
+        if joint.rates.is_empty() || !self.contact.load_follows() {
             return;
         }
         if !self.derivative(joint, (motion, load), Input::Load).depends {
@@ -278,7 +280,7 @@ impl ContactAlong<'_> {
         let load = load.scaled(contact.compliance);
         let by_speed = self.derivative(joint, given, Input::Speed);
         joint.friction.push(product(&load, &by_speed.slope).into());
-        if !contact.load_gradient.is_empty() {
+        if contact.load_follows() {
             joint.by_load = Some(by_speed.coefficient.scaled(contact.compliance).into());
         }
         for j in 0..joint.rates.len() {
@@ -298,15 +300,25 @@ impl ContactAlong<'_> {
                 load[k] = mul_add(gradient, velocity[k - 1] * INTEGRAL[k - 1], load[k]);
             }
         }
+        for law in self.contact.load_laws.clone() {
+            load.add(1.0, &ElementDerivatives::force(self.model, law, self.step));
+        }
         load
     }
 }
 
 /// The load N of a contact at the end of a step, and its rate.
-pub(super) fn load_at_end(contact: &ContactData<'_>, step: &Step) -> [f64; 2] {
+pub(super) fn load_at_end(model: &Model<'_>, c: usize, step: &Step) -> [f64; 2] {
+    let (contact, h) = (&model.contacts[c], step.duration());
     let (given, state) = (contact.load.series(step.clock()), step.end_state());
-    [
-        given.at(step.duration()) + contact.displacement_load(|j| state.displacements[j]),
-        given.slope_at(step.duration()) + contact.displacement_load(|j| state.velocities[j]),
-    ]
+    let mut load = [
+        given.at(h) + contact.displacement_load(|j| state.displacements[j]),
+        given.slope_at(h) + contact.displacement_load(|j| state.velocities[j]),
+    ];
+    for law in contact.load_laws.clone() {
+        let force = ElementDerivatives::force(model, law, step);
+        load[0] += force.at(h);
+        load[1] += force.slope_at(h);
+    }
+    load
 }

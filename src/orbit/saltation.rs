@@ -193,7 +193,7 @@ impl TangentFlow<'_> {
         let data = &self.form.model.contacts[contact];
         LawAt {
             law: data.law,
-            load: load_at_end(data, step)[0],
+            load: load_at_end(&self.form.model, contact, step)[0],
         }
     }
 
@@ -549,6 +549,7 @@ impl TangentFlow<'_> {
                     for &(j, a) in &contact.load_gradient {
                         gradient += self.row(j) * (-limit * a * scale);
                     }
+                    self.add_load_laws(&mut gradient, step, number, -limit * scale);
                     for (row, slope) in std::iter::zip(self.memory_rows(number), slopes) {
                         gradient += self.row(row) * (-law.load * scale * slope);
                     }
@@ -580,6 +581,7 @@ impl TangentFlow<'_> {
                 for &(j, a) in &contact.load_gradient {
                     force += self.row(j) * (a * by_load.series.at(h));
                 }
+                self.add_load_laws(&mut force, step, c, by_load.series.at(h));
             }
             for &(j, x) in contact.responses() {
                 rates[j] -= &force * x;
@@ -632,6 +634,7 @@ impl TangentFlow<'_> {
         for &(j, a) in &data.load_gradient {
             gradient += self.row(j) * (-limit * a * data.compliance);
         }
+        self.add_load_laws(&mut gradient, step, contact, -limit * data.compliance);
         let mut rate = sign * at.carried_rate - at.load_rate * limit;
         for (j, place) in self.memory_rows(contact).enumerate() {
             gradient += self.row(place) * (-at.load * slopes[j]);
@@ -656,7 +659,8 @@ impl TangentFlow<'_> {
         let carried_rate = slope(&force) * contact.compliance - slope(&surface.derivative())
             + model.restoring(i, own, velocity, acceleration)
             + self.spring_rate(step, i);
-        let [load, load_rate] = load_at_end(contact, step).map(|load| load * contact.compliance);
+        let [load, load_rate] =
+            load_at_end(model, number, step).map(|load| load * contact.compliance);
         Instant {
             coordinate: i,
             load,

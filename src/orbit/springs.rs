@@ -59,12 +59,41 @@ impl TangentFlow<'_> {
         let data = &self.form.model.contacts[contact];
         let state = step.end_state();
         let displacement = |j: usize| state.displacements[j];
-        let [load, rate] = load_at_end(data, step);
-        if data.load_gradient.is_empty() || load.abs() > ZERO * data.load_size(displacement) {
+        let [load, rate] = load_at_end(&self.form.model, contact, step);
+        let laws = self.form.model.load_laws(contact).iter();
+        let sizes = laws.map(|law| {
+            let tangent = law.tangent(&state.displacements, &state.velocities);
+            tangent.forces[0].abs() + (tangent.slopes[0][0] * tangent.positions[0]).abs()
+        });
+        let size = data.load_size(displacement) + sizes.sum::<f64>();
+        if !data.load_follows() || load.abs() > ZERO * size {
             return never;
         }
         let gradient = data.load_gradient.iter();
-        gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
+        let mut gradient = gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n);
+        self.add_load_laws(&mut gradient, step, contact, 1.0);
+        gradient * -rate.recip()
+    }
+
+    /// Adds the perturbation of the load of a contact by its laws at the end of a step, times a
+    /// factor.
+    pub(super) fn add_load_laws(
+        &self,
+        sum: &mut RowDVector<f64>,
+        step: &Step,
+        contact: usize,
+        factor: f64,
+    ) {
+        let model = &self.form.model;
+        for law in model.contacts[contact].load_laws.clone() {
+            let derivatives = ElementDerivatives::of(model, law, step);
+            for (first, slopes) in std::iter::zip([0, self.form.len()], &derivatives.0) {
+                let slope = factor * slopes[0].series.at(step.duration());
+                for &(j, a) in &model.elements[law].directions[0] {
+                    *sum += self.row(first + j) * (slope * a);
+                }
+            }
+        }
     }
 
     /// The perturbation of the acceleration v' of a coordinate by the springs of contacts, by force
@@ -81,6 +110,7 @@ impl TangentFlow<'_> {
                 for &(j, n) in &contact.load_gradient {
                     rate -= self.row(j) * (reaction * n);
                 }
+                self.add_load_laws(&mut rate, step, c, -reaction);
             }
         }
         for (data, place) in std::iter::zip(&model.first_order, model.len()..) {
@@ -120,7 +150,7 @@ impl TangentFlow<'_> {
             }
             let reaction = entry(&contact.reaction, i);
             if reaction != 0.0 && step.modes()[c] != Mode::Open {
-                rate -= load_at_end(contact, step)[1] * reaction;
+                rate -= load_at_end(model, c, step)[1] * reaction;
             }
             rate
         });

@@ -5,6 +5,9 @@
 //! δz' = ∂z'/∂v δv + ∂z'/∂z δz
 //! ```
 //!
+//! A law φ of the load adds ∂φ/∂x a·δq + ∂φ/∂y a·δv to n·δq, and rates z' that depend on the load
+//! have the term ∂z'/∂N of this sum.
+//!
 //! The force T of an elastic contact obeys δT' = k_t b·δv in stick and δT = σμ n·δq in slip; a
 //! closed normal spring adds −d n·δq to the forces. The perturbation of a first-order state
 //! obeys δz' = A_q δq + A_v δv + A_z δz.

@@ -2,14 +2,18 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
+use super::direction::checked_direction;
 use super::engine::contact::ContactData;
+use super::engine::element::ElementData;
+use super::force_element::ForceElement;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
+use crate::force::ForceLaw;
 use crate::friction::FrictionLaw;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{ContactLaw, Freewheel, Slip, validate};
-use crate::numerics::sort::sort_by;
+use crate::state::structure::State;
 
 /// A friction contact: its direction, its law, its normal load, and the velocity of the surface on
 /// which it slides.
@@ -17,13 +21,14 @@ use crate::numerics::sort::sort_by;
 /// ```text
 /// r = b·v − w(t)              relative velocity
 /// λ = N μ(r)                  friction force in slip; the force on the structure is −b λ
-/// N = N0(t) + Σ n_j q_j       the normal load
+/// N = N0(t) + Σ n_j q_j + Σ φ(a·q, a·v)       the normal load
 /// ```
 ///
 /// q and v are the displacements and velocities of the coordinates, b is the direction of the
 /// contact, and w is the velocity of the surface. μ is the friction coefficient, N0 the part of the
-/// load that depends on time, and n_j the load gradient, a force per displacement. μ and b are
-/// dimensionless. If b is multiplied by a factor, so are b·v and the force −b λ, but not w and N.
+/// load that depends on time, n_j the load gradient, a force per displacement, and φ a [load
+/// law](Self::with_load_law). μ and b are dimensionless. If b is multiplied by a factor, so are b·v
+/// and the force −b λ, but not w and N.
 ///
 /// In the table e_i is the i-th unit vector:
 ///
@@ -35,10 +40,10 @@ use crate::numerics::sort::sort_by;
 /// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | Σ b_i v_i − w: a lever, a gear, a point of a reduced model by its mode shapes |
 ///
 /// A contact is open, and transmits no friction, while N is negative or stays 0. If the load
-/// depends on time alone, the contact may open and close again. A load gradient describes a normal
-/// spring that is part of the stiffness matrix. That spring would pull for N < 0, so the motion
-/// ends with [`Error::Separation`] when the contact would open. To let the contact open and close,
-/// use [`with_normal_spring`](Self::with_normal_spring) instead.
+/// depends on time alone, or has a load law, the contact may open and close again. A load gradient
+/// without a load law describes a normal spring that is part of the stiffness matrix. That spring
+/// would pull for N < 0, so the motion ends with [`Error::Separation`] when the contact would open.
+/// To let the contact open and close, use [`with_normal_spring`](Self::with_normal_spring) instead.
 ///
 /// A contact is either rigid or [elastic](Self::with_tangential_stiffness). An elastic contact is a
 /// spring in series with a friction slider.
@@ -86,6 +91,8 @@ pub struct Contact {
     pub(super) load: Arc<Drive>,
     /// n_j by ascending coordinate j; none is 0.
     pub(super) load_gradient: Vec<(usize, f64)>,
+    /// The laws φ of the load, each with its direction a.
+    load_laws: Vec<ForceElement>,
     belt_velocity: Arc<Drive>,
     /// k_t of an elastic contact.
     pub(super) tangential_stiffness: Option<f64>,
@@ -99,9 +106,9 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] if the load is not finite or is a constant ≤ 0, if μ_s is
-    ///   negative or not finite, if friction at speed 0 does not oppose slip, or if the law breaks
-    ///   another rule of [`ContactLaw`];
+    /// * [`Error::InvalidParameter`] if the load is not finite, if μ_s is negative or not finite,
+    ///   if friction at speed 0 does not oppose slip, or if the law breaks another rule of
+    ///   [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law.
     pub fn new<L: ContactLaw + Send + Sync + 'static>(
         coordinate: usize,
@@ -176,7 +183,9 @@ impl Contact {
             });
         }
         self.law = Arc::new(Freewheel::new(law)?);
-        self.load = Arc::new(checked_load(load.into())?);
+        let load = load.into();
+        load.check("load", LOAD)?;
+        self.load = Arc::new(load);
         Ok(self)
     }
 
@@ -192,7 +201,8 @@ impl Contact {
         law: L,
         load: impl Into<Drive>,
     ) -> Result<Self, Error> {
-        let load = checked_load(load.into())?;
+        let load = load.into();
+        load.check("load", LOAD)?;
         validate(&law, load.value(0.0).max(0.0))?;
         let (coordinate, direction) = checked_direction(direction)?;
         Ok(Self {
@@ -201,6 +211,7 @@ impl Contact {
             law: Arc::new(law),
             load: Arc::new(load),
             load_gradient: Vec::new(),
+            load_laws: Vec::new(),
             belt_velocity: Arc::new(Drive::constant(0.0)),
             tangential_stiffness: None,
             normal_spring: None,
@@ -218,6 +229,7 @@ impl Contact {
             law: Arc::new(belt.law().clone()),
             load: Arc::new(Drive::constant(belt.load())),
             load_gradient: Vec::new(),
+            load_laws: Vec::new(),
             belt_velocity: Arc::new(Drive::constant(belt.belt_velocity())),
             tangential_stiffness: None,
             normal_spring: None,
@@ -265,6 +277,92 @@ impl Contact {
         Ok(self)
     }
 
+    /// Adds φ(x, y) to the normal load of the contact: a load of any shape.
+    ///
+    /// ```text
+    /// N = N0(t) + Σ n_j q_j + Σ φ(x, y),   x = a·q,   y = a·v
+    /// ```
+    ///
+    /// The direction a is a list of pairs (j, a_j), dimensionless; φ is the
+    /// [`force`](ForceLaw::force) of the law, in units of force. Several laws add up. The law acts
+    /// on the load alone: if the force that presses the contact also acts on the structure, give
+    /// the same law to a [`ForceElement`], or use a [normal spring](Self::with_normal_spring),
+    /// whose force on the structure is −d N with all terms of N.
+    ///
+    /// The contact opens when N falls below 0, and closes when N rises above 0 again; N0 may be
+    /// negative or 0. The contact must be rigid. A [potential](ForceLaw::potential) is not used.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::BadDirection`] if no coordinate is given, if a coordinate is given twice, if an
+    ///   a_j is not finite, or if all a_j are 0;
+    /// * [`Error::BadBreakpoints`] for the first breakpoint of the law that is not finite, does not
+    ///   ascend, or at which φ jumps;
+    /// * [`Error::InvalidParameter`] if the contact is elastic, or if the slope of the law's
+    ///   potential is not its force at rest.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, ForceLaw, Scalar, Structure, structure::State};
+    ///
+    /// /// A bead of mass 1 that slides on a horizontal ring of radius 2, without weight: the ring
+    /// /// presses with the centripetal force v²/2.
+    /// struct Ring;
+    /// impl ForceLaw for Ring {
+    ///     fn force<S: Scalar>(&self, _: S, velocity: S, _: usize) -> S {
+    ///         velocity.square() / 2.0
+    ///     }
+    /// }
+    ///
+    /// let ring = Contact::new(0, Coulomb::new(0.3, 0.3)?, 0.0)?.with_load_law(&[(0, 1.0)], Ring)?;
+    /// let bead = Structure::new(&[1.0])?.with_contact(ring)?;
+    /// let motion = bead.simulate(State::new(&[0.0], &[3.0]), 10.0)?;
+    /// // v' = −0.3 v²/2: the bead never stops.
+    /// let v = 3.0 / (1.0 + 0.15 * 3.0 * 10.0);
+    /// assert!((motion.last().velocities[0] - v).abs() < 1e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_load_law<L: ForceLaw + Send + Sync + 'static>(
+        mut self,
+        direction: &[(usize, f64)],
+        law: L,
+    ) -> Result<Self, Error> {
+        self.load_laws.push(ForceElement::along(direction, law)?);
+        self.check_load_laws()?;
+        Ok(self)
+    }
+
+    /// The laws φ of the normal load, each with its direction a.
+    pub fn load_laws(&self) -> &[ForceElement] {
+        &self.load_laws
+    }
+
+    /// Checks that the contact may close: without a force of the structure that presses it, a
+    /// constant load is positive.
+    pub(super) fn check_load(&self) -> Result<(), Error> {
+        let value = self.load.value(0.0);
+        let is_pressed = self.normal_spring.is_some() || !self.load_laws.is_empty();
+        let is_allowed = value > 0.0 || is_pressed || !self.load.is_constant();
+        Error::check("Contact", "load", value, is_allowed, LOAD).map(drop)
+    }
+
+    /// Sets the laws of the load.
+    #[cfg(feature = "serde")]
+    pub(super) fn with_load_laws(mut self, laws: Vec<ForceElement>) -> Result<Self, Error> {
+        self.load_laws = laws;
+        self.check_load_laws()?;
+        Ok(self)
+    }
+
+    /// Checks that an elastic contact has no load law.
+    pub(super) fn check_load_laws(&self) -> Result<(), Error> {
+        let count = self.load_laws.len();
+        let is_allowed = count == 0 || self.tangential_stiffness.is_none();
+        let allowed = "no load law at an elastic contact; give the slider a mass: a coordinate of \
+                       its own, with a spring of stiffness k_t to the structure and a rigid \
+                       contact with this load";
+        Error::check("Contact", "load laws", count as f64, is_allowed, allowed).map(drop)
+    }
+
     /// Number, counted from 0, of the coordinate that was given first.
     /// [`direction`](Self::direction) lists all coordinates.
     pub fn coordinate(&self) -> usize {
@@ -293,16 +391,32 @@ impl Contact {
         &self.belt_velocity
     }
 
-    /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN if a
-    /// displacement is missing. The last term is the force of a [normal
-    /// spring](Self::with_normal_spring) of stiffness k_n and direction d. The result may be
-    /// negative: the contact is then open, and its forces are 0. With a load gradient and without a
-    /// normal spring, a motion ends with [`Error::Separation`] before N becomes negative.
+    /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q + Σ φ(a·q, 0) at a time, in units of force; NaN
+    /// if a displacement is missing. The term k_n d·q is the force of a [normal
+    /// spring](Self::with_normal_spring) of stiffness k_n and direction d. [Load
+    /// laws](Self::with_load_law) φ are taken at rest: see [`load_in`](Self::load_in). The result
+    /// may be negative: the contact is then open, and its forces are 0. With a load gradient and
+    /// without a normal spring or a load law, a motion ends with [`Error::Separation`] before N
+    /// becomes negative.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
-        let terms = self
-            .whole_gradient()
-            .map(|(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN));
-        self.load.value(time) + terms.sum::<f64>()
+        self.load_with(time, displacements, |_| 0.0)
+    }
+
+    /// Normal load in a state at a time, in units of force: [`load_at`](Self::load_at) with the
+    /// velocities of the state.
+    pub fn load_in(&self, time: f64, state: &State) -> f64 {
+        let velocity = |j: usize| state.velocities.get(j).copied().unwrap_or(f64::NAN);
+        self.load_with(time, &state.displacements, velocity)
+    }
+
+    fn load_with(&self, time: f64, displacements: &[f64], velocity: impl Fn(usize) -> f64) -> f64 {
+        let displacement = |j: usize| displacements.get(j).copied().unwrap_or(f64::NAN);
+        let terms = self.whole_gradient().map(|(j, n)| n * displacement(j));
+        let linear = self.load.value(time) + terms.sum::<f64>();
+        let laws = self.load_data();
+        laws.fold(linear, |sum, law| {
+            sum + law.pressure(time, displacement, &velocity)
+        })
     }
 
     /// Coordinates with the derivative of the load by their displacements, that of a normal spring
@@ -349,14 +463,22 @@ impl Contact {
         data
     }
 
+    /// The laws of its load as the engine needs them.
+    pub(super) fn load_data(&self) -> impl Iterator<Item = ElementData<'_>> {
+        self.load_laws.iter().map(ForceElement::data)
+    }
+
     /// Checks that this may be contact number `number` of a structure with these masses.
     pub(super) fn check(&self, number: usize, masses: &[f64]) -> Result<(), Error> {
         let element = Element::Contact(number);
         let direction = self.direction.iter().map(|&(j, _)| j);
         let gradients = self.whole_gradient().map(|(j, _)| j);
+        let laws = self.load_laws.iter().flat_map(ForceElement::directions);
+        let laws = laws.flatten().map(|&(j, _)| j);
         let mut coordinates = std::iter::once(self.coordinate)
             .chain(direction)
-            .chain(gradients);
+            .chain(gradients)
+            .chain(laws);
         let count = masses.len();
         if let Some(coordinate) = coordinates.find(|&coordinate| coordinate >= count) {
             return Err(Error::NoSuchCoordinate {
@@ -401,6 +523,7 @@ impl PartialEq for Contact {
             && self.direction == other.direction
             && self.load == other.load
             && self.load_gradient == other.load_gradient
+            && self.load_laws == other.load_laws
             && self.belt_velocity == other.belt_velocity
             && self.tangential_stiffness == other.tangential_stiffness
             && self.normal_spring == other.normal_spring
@@ -415,6 +538,7 @@ impl fmt::Debug for Contact {
             .field("law", &law)
             .field("load", &self.load)
             .field("load_gradient", &self.load_gradient)
+            .field("load_laws", &self.load_laws)
             .field("belt_velocity", &self.belt_velocity)
             .field("tangential_stiffness", &self.tangential_stiffness)
             .field("normal_spring", &self.normal_spring)
@@ -422,35 +546,7 @@ impl fmt::Debug for Contact {
     }
 }
 
-/// The first coordinate of a direction, and its entries by ascending coordinate, without zeros.
-pub(super) fn checked_direction(
-    given: &[(usize, f64)],
-) -> Result<(usize, Vec<(usize, f64)>), Error> {
-    let mut direction = given.to_vec();
-    sort_by(&mut direction, |&(j, _)| j as f64);
-    let is_named_twice = direction.windows(2).any(|pair| pair[0].0 == pair[1].0);
-    let is_finite = direction.iter().all(|(_, b)| b.is_finite());
-    direction.retain(|&(_, b)| b != 0.0);
-    match (
-        given.first(),
-        direction.is_empty() || is_named_twice || !is_finite,
-    ) {
-        (Some(&(coordinate, _)), false) => Ok((coordinate, direction)),
-        _ => Err(Error::BadDirection {
-            direction: given.to_vec(),
-        }),
-    }
-}
-
-/// Returns the normal load N0(t) if it is a valid one.
-fn checked_load(load: Drive) -> Result<Drive, Error> {
-    const ALLOWED: &str = "load > 0; for surfaces with a gap, measure displacements from a \
-                           position in which they touch and the load is positive: see \
-                           `Contact::with_normal_spring`";
-    load.check("load", ALLOWED)?;
-    if load.is_constant() {
-        let value = load.value(0.0);
-        Error::check("Contact", "load", value, value > 0.0, ALLOWED)?;
-    }
-    Ok(load)
-}
+/// The allowed values of a load.
+const LOAD: &str = "load > 0; a constant load ≤ 0 is a gap, which needs a normal spring or a load \
+                    law that closes it: see `Contact::with_normal_spring` and \
+                    `Contact::with_load_law`";

@@ -38,7 +38,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
+    /// * [`Error::InvalidParameter`] unless k_t is positive and finite, or if the contact has a
+    ///   [load law](Self::with_load_law);
     /// * [`Error::LawNotConstant`] unless the coefficient is constant, as in `Coulomb::new(μ, μ)`.
     ///   The reason: with static friction above kinetic friction, or with friction that falls with
     ///   speed, the displacement of the massless slider is not determined. Friction that depends on
@@ -75,6 +76,7 @@ impl Contact {
             });
         }
         self.tangential_stiffness = Some(tangential_stiffness);
+        self.check_load_laws()?;
         Ok(self)
     }
 
@@ -97,12 +99,8 @@ impl Contact {
     /// function of q, so the contact closes without an impact. A load gradient n adds n·q inside
     /// the maximum. The contact may be rigid or elastic.
     ///
-    /// A constant N0 must be positive. A contact with a gap g has N = max(0, k_n (d·x − g)) for the
-    /// coordinates x. To describe it, choose a position x_0 with d·x_0 > g, and use the coordinates
-    /// q = x − x_0: then N0 = k_n (d·x_0 − g). The shift also changes other terms of the equations.
-    /// Add −K x_0 (K: stiffness matrix) to the forces. Add n·x_0 to the load N0 of each contact
-    /// with a load gradient n. Add k_n d·x_0 to the load N0 of each other contact with a normal
-    /// spring.
+    /// A contact with a gap g has N = max(0, k_n (d·q − g)): give it the load N0 = −k_n g. It is
+    /// open until d·q exceeds g.
     ///
     /// # Errors
     ///
@@ -137,7 +135,7 @@ impl Contact {
             normal_stiffness > 0.0,
             "normal_stiffness > 0",
         )?;
-        let (_, direction) = super::contact::checked_direction(direction)?;
+        let (_, direction) = super::direction::checked_direction(direction)?;
         for &(_, d) in &direction {
             let gradient = normal_stiffness * d;
             let is_finite = gradient.is_finite();

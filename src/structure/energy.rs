@@ -55,7 +55,7 @@ impl Structure {
         let energies = self.energies(&model);
         let springs = zip(self.contacts(), &energies.normal).enumerate();
         let springs = springs.map(|(c, (contact, normal))| {
-            let load = contact.load_at(time, &state.displacements).max(0.0);
+            let load = contact.load_in(time, state).max(0.0);
             let carried = state.memory.get(model.memory(c).start);
             energies.of_contact(c, carried.copied().unwrap_or(0.0))
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
@@ -254,7 +254,8 @@ impl Energies<'_, '_> {
             }
             if let Some(stiffness) = self.normal[c].filter(|_| at.load > 0.0) {
                 let pressed = contact.normal.iter().map(|&(j, d)| d * v[j]).sum::<f64>();
-                let rate = contact.load_rate(step.clock().after(t), v) - stiffness * pressed;
+                let rate = instant.load_rate(self.model, c, step.clock().after(t));
+                let rate = rate - stiffness * pressed;
                 budget.normal_work[c] += weight * at.load * rate / stiffness;
             }
         }

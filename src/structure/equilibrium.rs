@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::engine::contact::ContactData;
+use super::engine::contact::{ContactData, Entries};
 use super::engine::element::ElementTangent;
 use super::engine::model::Model;
 use super::freedom::{direction_row, elastic_rows, null_space, units};
@@ -26,6 +26,8 @@ pub(super) struct Equilibrium<'e, 'm, 's> {
     /// The contacts whose friction is not in `stiffness` and `right`, because it is not linear in
     /// the displacements, and how they slip.
     pub(super) frictions: &'e [(usize, Slip<f64>)],
+    /// True for each contact that is open.
+    pub(super) open: &'e [bool],
 }
 
 /// Bound of the iterations of Newton's method.
@@ -68,11 +70,15 @@ impl Equilibrium<'_, '_, '_> {
                 .sum::<f64>();
             let is_at = |b: &f64| (position - b).abs() <= 8.0 * f64::EPSILON * size.max(b.abs());
             if element.breakpoints.iter().any(is_at) {
+                let data = &self.model.elements[number];
                 let stop = number.checked_sub(self.model.first_stop());
-                let element = match (stop, element.rate_of) {
-                    (Some(stop), _) => Element::Stop(stop),
-                    (None, Some((state, _))) => Element::FirstOrder(state),
-                    (None, None) => Element::ForceElement(number),
+                let element = match (stop, data.rate_of, data.pressed) {
+                    (Some(stop), ..) => Element::Stop(stop),
+                    (_, Some((state, _)), _) => Element::FirstOrder(state),
+                    (.., Some(contact)) => {
+                        return Err(NotSliding::LoadAtBreakpoint { contact, position });
+                    }
+                    _ => Element::ForceElement(number),
                 };
                 return Err(NotSliding::AtBreakpoint { element, position });
             }
@@ -160,9 +166,9 @@ impl Equilibrium<'_, '_, '_> {
         let Ok(tangents) = self.tangents(q) else {
             return NotSliding::Overflow;
         };
-        for friction in &tangents.frictions {
-            for &(i, x) in friction.contact.responses() {
-                left[i] -= x * friction.force;
+        for push in &tangents.pushes {
+            for &(i, x) in push.responses {
+                left[i] -= x * push.force;
             }
         }
         for (element, tangent) in std::iter::zip(&self.model.elements, &tangents.elements) {
@@ -183,26 +189,52 @@ impl Equilibrium<'_, '_, '_> {
     fn tangents(&self, q: &DVector<f64>) -> Result<Tangents<'_>, NotSliding> {
         let at_rest = vec![0.0; q.len()];
         let elements = self.model.elements.iter();
-        let frictions = self.frictions.iter().map(|&(number, slip)| {
+        let elements: Vec<ElementTangent> = elements
+            .map(|element| element.tangent(q.as_slice(), &at_rest))
+            .collect();
+        // Those of a load by its laws, and their derivatives by displacements.
+        let by_laws = |contact: &ContactData<'_>| {
+            let (mut load, mut slopes) = (0.0, Vec::new());
+            for e in contact.load_laws.clone() {
+                let (law, tangent) = (&self.model.elements[e], &elements[e]);
+                let factor = law.factor.value(0.0);
+                load += factor * tangent.forces[0];
+                let slope = factor * tangent.slopes[0][0];
+                slopes.extend(law.directions[0].iter().map(|&(j, a)| (j, slope * a)));
+            }
+            (load, slopes)
+        };
+        let mut pushes = Vec::new();
+        for &(number, slip) in self.frictions {
             let contact = &self.model.contacts[number];
-            let load = contact.load_at(0.0, |j| q[j]);
+            let (load, mut slopes) = by_laws(contact);
+            let load = load + contact.load_at(0.0, |j| q[j]);
+            slopes.extend(&contact.load_gradient);
             let sliding = contact.law.sliding(slip, load);
             let by_load = sliding.and_then(|at| Some((at.coefficient, at.by_load()?)));
             let (coefficient, slope) =
                 by_load.ok_or(NotSliding::NoSteadyMemory { contact: number })?;
             let slope = contact.compliance * (coefficient + load * slope);
-            let slopes = contact.load_gradient.iter().map(|&(j, n)| (j, slope * n));
-            Ok(FrictionTangent {
-                contact,
+            slopes.iter_mut().for_each(|(_, by)| *by *= slope);
+            pushes.push(Push {
+                responses: contact.responses(),
                 force: contact.compliance * load * coefficient,
-                slopes: slopes.collect(),
-            })
-        });
+                slopes,
+            });
+        }
+        for (contact, open) in std::iter::zip(&self.model.contacts, self.open) {
+            if !open && !contact.load_laws.is_empty() && !contact.reaction.is_empty() {
+                let (force, slopes) = by_laws(contact);
+                pushes.push(Push {
+                    responses: &contact.reaction,
+                    force,
+                    slopes,
+                });
+            }
+        }
         Ok(Tangents {
-            elements: elements
-                .map(|element| element.tangent(q.as_slice(), &at_rest))
-                .collect(),
-            frictions: frictions.collect::<Result<_, _>>()?,
+            elements,
+            pushes,
             displacements: q.as_slice().to_vec(),
         })
     }
@@ -210,13 +242,13 @@ impl Equilibrium<'_, '_, '_> {
     /// The equilibrium with the tangents of the nonlinear forces in their place.
     fn linearised(&self, tangents: &Tangents<'_>, load: f64) -> Result<Balance, NotSliding> {
         let (mut stiffness, mut right) = (self.stiffness.clone(), &self.right * load);
-        for friction in &tangents.frictions {
-            let slopes = friction.slopes.iter();
+        for push in &tangents.pushes {
+            let slopes = push.slopes.iter();
             let changes = slopes.map(|&(j, slope)| slope * tangents.displacements[j]);
-            let force = friction.force - changes.sum::<f64>();
-            for &(i, x) in friction.contact.responses() {
+            let force = push.force - changes.sum::<f64>();
+            for &(i, x) in push.responses {
                 right[i] -= x * force;
-                for &(j, slope) in &friction.slopes {
+                for &(j, slope) in &push.slopes {
                     stiffness[(i, j)] += x * slope;
                 }
             }
@@ -253,14 +285,17 @@ impl Equilibrium<'_, '_, '_> {
 #[derive(Default)]
 struct Tangents<'e> {
     elements: Vec<ElementTangent>,
-    frictions: Vec<FrictionTangent<'e>>,
+    pushes: Vec<Push<'e>>,
     displacements: Vec<f64>,
 }
 
-/// The friction of a contact, multiplied by G_cc, and its derivatives by displacements.
-struct FrictionTangent<'e> {
-    contact: &'e ContactData<'e>,
+/// A force that depends on displacements: the friction of a contact, or the reaction of its normal
+/// spring to the laws of its load.
+struct Push<'e> {
+    /// The accelerations by a force of 1.
+    responses: &'e Entries,
     force: f64,
+    /// Its derivatives.
     slopes: Vec<(usize, f64)>,
 }
 

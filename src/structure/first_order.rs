@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::contact::checked_direction;
+use super::direction::checked_direction;
 use super::engine::element::ElementData;
 use super::engine::first_order::FirstOrderData;
 use crate::drive::Drive;

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::contact::checked_direction;
+use super::direction::checked_direction;
 use super::engine::element::ElementData;
 use crate::drive::Drive;
 use crate::error::{Element, Error};

@@ -5,6 +5,7 @@
 // | `force_element.rs` | `ForceElement`, a nonlinear spring, damper or force of several coordinates |
 // | `stop.rs` | `Stop`, a spring with a damper behind a gap |
 // | `contact.rs`, `elastic.rs` | `Contact` and its checks; elastic contacts and normal springs |
+// | `direction.rs` | checks of directions |
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
 // | `carried.rs` | `Carried`: the friction force of a contact, or its range |
@@ -137,6 +138,7 @@
 
 mod carried;
 mod contact;
+mod direction;
 mod elastic;
 mod energy;
 pub(crate) mod engine;

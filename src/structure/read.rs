@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::contact::checked_direction;
+use super::direction::checked_direction;
 use super::first_order::Input;
 use super::matrices::check_count;
 use crate::drive::Drive;
@@ -29,6 +29,8 @@ pub(super) struct ContactText<L> {
     load: Drive,
     #[serde(default = "Vec::new")]
     load_gradient: Vec<(usize, f64)>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    load_laws: Vec<super::ForceElement>,
     #[serde(default = "at_rest")]
     belt_velocity: Drive,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -117,6 +119,7 @@ impl From<super::Contact> for ContactText<Written<NamedLaw>> {
             law: Written(contact.law().named()),
             load: contact.load().clone(),
             load_gradient: contact.load_gradient().to_vec(),
+            load_laws: contact.load_laws().to_vec(),
             belt_velocity: contact.belt_velocity().clone(),
             tangential_stiffness: contact.tangential_stiffness(),
             normal_spring: contact.normal_spring,
@@ -143,7 +146,11 @@ impl TryFrom<ContactText<LawText>> for super::Contact {
         if let Some((direction, stiffness)) = read.normal_spring {
             contact = contact.with_normal_spring(&direction, stiffness)?;
         }
-        Ok(contact.on_belt(read.belt_velocity))
+        let contact = contact
+            .on_belt(read.belt_velocity)
+            .with_load_laws(read.load_laws)?;
+        contact.check_load()?;
+        Ok(contact)
     }
 }
 

@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::engine::contact::ContactData;
-use super::engine::element::ElementTangent;
+use super::engine::contact::{ContactData, Entries};
+use super::engine::element::{ElementData, ElementTangent};
 use super::engine::limits::limit_force;
 use super::engine::model::Model;
 use super::equilibrium::{Equilibrium, ROUNDING, inverse_mass_times};
@@ -35,14 +35,33 @@ pub(crate) struct SlidingField<'m, 's> {
     elements: Vec<ElementTangent>,
 }
 
-/// A contact that slides steadily.
+/// A contact that slides steadily, or is open.
 #[derive(Debug)]
 struct Slides {
     sliding: Sliding,
     speed: f64,
     direction: f64,
-    /// The load N.
+    /// The load N; 0 for an open contact.
     load: f64,
+}
+
+impl Slides {
+    fn is_open(&self) -> bool {
+        self.load == 0.0
+    }
+}
+
+/// Why there is no steady sliding in which given contacts are open.
+enum NotFound {
+    /// The load of this contact says the contrary.
+    Contrary(usize, f64),
+    Other(NotSliding),
+}
+
+impl From<NotSliding> for NotFound {
+    fn from(reason: NotSliding) -> Self {
+        Self::Other(reason)
+    }
 }
 
 impl<'m, 's> SlidingField<'m, 's> {
@@ -64,14 +83,64 @@ impl<'m, 's> SlidingField<'m, 's> {
         Self::find(model, Some(velocities), &start).map_err(Error::NoSteadySliding)
     }
 
-    /// At rest all contacts slide; at given velocities those without a relative velocity stick.
+    /// Steady sliding with the contacts open whose loads are negative there.
     fn find(
         model: &'m Model<'s>,
         velocities: Option<&[f64]>,
         start: &[f64],
     ) -> Result<Self, NotSliding> {
+        let contacts = 0..model.contacts.len();
+        let opens = |c: usize| model.contacts[c].may_open();
+        let load = |c: usize| model.load_at(c, 0.0, |j| start[j], |_| 0.0);
+        let closed = vec![false; contacts.len()];
+        let found = Self::settle(model, velocities, start, closed.clone());
+        let at_start: Vec<bool> = contacts.map(|c| opens(c) && load(c) < 0.0).collect();
+        if found.is_ok() || at_start == closed {
+            return found;
+        }
+        Self::settle(model, velocities, start, at_start).or(found)
+    }
+
+    /// The same, beginning with given contacts open. The first contact whose load says the contrary
+    /// is opened or closed, again and again.
+    ///
+    /// Source: K. G. Murty, *Opsearch* 11 (1974): this ends if the equations are those of a
+    /// P-matrix.
+    fn settle(
+        model: &'m Model<'s>,
+        velocities: Option<&[f64]>,
+        start: &[f64],
+        mut open: Vec<bool>,
+    ) -> Result<Self, NotSliding> {
+        /// Number of changes for each contact.
+        const MOST_CHANGES: usize = 8;
+        let mut left = MOST_CHANGES * open.len();
+        loop {
+            match Self::with_open(model, velocities, start, &open) {
+                Ok(found) => return Ok(found),
+                Err(NotFound::Other(reason)) => return Err(reason),
+                Err(NotFound::Contrary(contact, load)) => {
+                    let is_edge = load == 0.0 && model.contacts[contact].load_follows();
+                    if !model.contacts[contact].may_open() || is_edge || left == 0 {
+                        return Err(NotSliding::NoLoad { contact, load });
+                    }
+                    open[contact] = !open[contact];
+                    left -= 1;
+                }
+            }
+        }
+    }
+
+    /// At rest all closed contacts slide; at given velocities those without a relative velocity
+    /// stick.
+    fn with_open(
+        model: &'m Model<'s>,
+        velocities: Option<&[f64]>,
+        start: &[f64],
+        open: &[bool],
+    ) -> Result<Self, NotFound> {
         if !model.drives().all(|drive| drive.is_constant()) {
-            return Err(NotSliding::Driven);
+            return Err(NotSliding::Driven.into());
         }
         let n = model.len();
         let at_rest = vec![0.0; n];
@@ -83,6 +152,12 @@ impl<'m, 's> SlidingField<'m, 's> {
             if !relative.is_finite() {
                 return Err(NotSliding::Overflow);
             }
+            if open[number] {
+                let slip = slip_at(relative, contact).unwrap_or(STILL);
+                let sliding = contact.law.sliding(slip, 0.0);
+                let sliding = sliding.ok_or(NotSliding::NoSteadyMemory { contact: number })?;
+                return Ok(Some((sliding, slip)));
+            }
             let limits = contact.law.limits(&|_| 0.0);
             if let (Some(side), Some(limits)) = (Direction::of(relative), limits)
                 && limits[side.place()] == f64::INFINITY
@@ -92,17 +167,19 @@ impl<'m, 's> SlidingField<'m, 's> {
                     velocity: relative,
                 });
             }
+            let is_frictionless = contact.law.constant() == Some(0.0);
             let may_stick = contact.is_elastic() || limits.is_some();
-            if relative == 0.0 && velocities.is_some() && may_stick {
+            if relative == 0.0 && velocities.is_some() && may_stick && !is_frictionless {
                 return Ok(None);
             }
-            if relative == 0.0 && contact.is_elastic() {
+            if relative == 0.0 && contact.is_elastic() && !is_frictionless {
                 return Err(NotSliding::Continuum { contact: number });
             }
-            let Some(slip) = slip_at(relative, contact) else {
+            let slip = slip_at(relative, contact).or(is_frictionless.then_some(STILL));
+            let Some(slip) = slip else {
                 return Err(NotSliding::NoSpeed { contact: number });
             };
-            let load = contact.load_at(0.0, |j| start[j]).max(0.0);
+            let load = model.load_at(number, 0.0, |j| start[j], |_| 0.0).max(0.0);
             let sliding = contact.law.sliding(slip, load);
             let sliding = sliding.ok_or(NotSliding::NoSteadyMemory { contact: number })?;
             Ok(Some((sliding, slip)))
@@ -126,11 +203,12 @@ impl<'m, 's> SlidingField<'m, 's> {
             beside.iter().fold(own, |sum, &(j, a)| sum + a * force(j))
         });
         let mut frictions = Vec::new();
-        for (number, (contact, slides)) in std::iter::zip(&model.contacts, &contacts).enumerate() {
+        let numbers = std::iter::zip(&model.contacts, &contacts).enumerate();
+        for (number, (contact, slides)) in numbers.filter(|&(number, _)| !open[number]) {
             let mut coefficient = None;
             if let Some((sliding, slip)) = slides {
-                let follows = !contact.load_gradient.is_empty();
-                if follows && sliding.rates_by_load.iter().any(|by| *by != 0.0) {
+                let is_warm = sliding.rates_by_load.iter().any(|by| *by != 0.0);
+                if !contact.load_laws.is_empty() || contact.load_follows() && is_warm {
                     frictions.push((number, *slip));
                 } else {
                     coefficient = Some(contact.compliance * sliding.coefficient);
@@ -178,15 +256,19 @@ impl<'m, 's> SlidingField<'m, 's> {
             velocities,
             sticking: &sticking,
             frictions: &frictions,
+            open,
         };
         let (balance, elements) = equations.solve(start)?;
         let slides = contacts.into_iter().enumerate();
         let slides = slides.map(|(number, slides)| {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| balance.positions[j]);
-            if load <= 0.0 || load.is_nan() {
+            let load = model.load_at(number, 0.0, |j| balance.positions[j], |_| 0.0);
+            if load.is_nan() {
                 let contact = number;
-                return Err(NotSliding::NoLoad { contact, load });
+                return Err(NotSliding::NoLoad { contact, load }.into());
+            }
+            if open[number] != (load <= 0.0) {
+                return Err(NotFound::Contrary(number, load));
             }
             let Some((sliding, slip)) = slides else {
                 return Ok(None);
@@ -200,13 +282,13 @@ impl<'m, 's> SlidingField<'m, 's> {
                 sliding: sliding.ok_or(NotSliding::NoSteadyMemory { contact: number })?,
                 speed: slip.speed,
                 direction: slip.direction,
-                load,
+                load: load.max(0.0),
             }))
         });
-        let contacts = slides.collect::<Result<_, _>>()?;
+        let contacts = slides.collect::<Result<_, NotFound>>()?;
         for (&number, force) in std::iter::zip(&sticking, &balance.forces) {
             let contact = &model.contacts[number];
-            let load = contact.load_at(0.0, |j| balance.positions[j]);
+            let load = model.load_at(number, 0.0, |j| balance.positions[j], |_| 0.0);
             let limits = contact.law.limits(&|_| 0.0).unwrap_or([0.0; 2]);
             let limit = limit_force(load, limits[usize::from(*force > 0.0)]);
             let force = force.abs();
@@ -215,7 +297,8 @@ impl<'m, 's> SlidingField<'m, 's> {
                     contact: number,
                     force,
                     limit,
-                });
+                }
+                .into());
             }
         }
         Ok(Self {
@@ -245,7 +328,8 @@ impl<'m, 's> SlidingField<'m, 's> {
         let contacts = std::iter::zip(&self.model.contacts, &self.contacts);
         let varies = contacts
             .into_iter()
-            .any(|(contact, slides)| slides.is_some() && !contact.load_gradient.is_empty());
+            .filter(|(_, slides)| slides.as_ref().is_some_and(|slides| !slides.is_open()))
+            .any(|(contact, _)| contact.load_follows());
         varies && self.contacts.iter().any(Option::is_none)
     }
 
@@ -273,6 +357,32 @@ impl<'m, 's> SlidingField<'m, 's> {
     /// Length of a state vector.
     fn order(&self) -> usize {
         2 * self.model.len() + self.model.remembered()
+    }
+
+    fn is_open(&self, contact: usize) -> bool {
+        self.contacts[contact].as_ref().is_some_and(Slides::is_open)
+    }
+
+    /// The derivatives of the load of a contact by displacements and velocities that are not 0, by
+    /// their places in a state; none for an open contact.
+    fn load_slopes(&self, contact: usize) -> Vec<(usize, f64)> {
+        if self.is_open(contact) {
+            return Vec::new();
+        }
+        let contact = &self.model.contacts[contact];
+        let mut loads = contact.load_gradient.clone();
+        for e in contact.load_laws.clone() {
+            let (law, tangent) = (&self.model.elements[e], &self.elements[e]);
+            let factor = law.factor.value(0.0);
+            for (first, slopes) in std::iter::zip([0, self.model.len()], &tangent.slopes) {
+                let slope = factor * slopes[0];
+                if slope != 0.0 {
+                    let entries = law.directions[0].iter();
+                    loads.extend(entries.map(|&(j, a)| (first + j, slope * a)));
+                }
+            }
+        }
+        loads
     }
 
     /// Adds the derivatives of the forces of elements to ∂F/∂x.
@@ -329,8 +439,9 @@ impl<'m, 's> SlidingField<'m, 's> {
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
             let first = 2 * n + model.memory(number).start;
+            let loads = self.load_slopes(number);
             let Some(slides) = slides else {
-                self.add_sticking(&mut matrix, number);
+                self.add_sticking(&mut matrix, number, &loads);
                 continue;
             };
             let sliding = &slides.sliding;
@@ -340,14 +451,14 @@ impl<'m, 's> SlidingField<'m, 's> {
                     let slope = slides.direction * sliding.slope;
                     matrix[(n + i, n + j)] -= force * slides.load * slope * b;
                 }
-                for &(j, gradient) in &contact.load_gradient {
+                for &(j, gradient) in &loads {
                     matrix[(n + i, j)] -= force * sliding.coefficient * gradient;
                 }
                 for (j, slope) in sliding.by_memory.iter().enumerate() {
                     matrix[(n + i, first + j)] -= force * slides.load * slope;
                 }
             }
-            add_reaction(&mut matrix, n, contact);
+            add_reaction(&mut matrix, n, contact, &loads);
             if contact.is_elastic() {
                 // The force follows the limit without delay.
                 matrix[(first, first)] = -1.0;
@@ -357,7 +468,7 @@ impl<'m, 's> SlidingField<'m, 's> {
                     let rate = slides.direction * sliding.rates_by_speed[j];
                     matrix[(first + j, n + i)] += rate * b;
                 }
-                for &(i, gradient) in &contact.load_gradient {
+                for &(i, gradient) in &loads {
                     matrix[(first + j, i)] += sliding.rates_by_load[j] * gradient;
                 }
                 for l in 0..sliding.memory.len() {
@@ -373,9 +484,9 @@ impl<'m, 's> SlidingField<'m, 's> {
 
     /// Adds a contact that sticks. A rigid one adds nothing here: see
     /// [`eigenvalues`](Self::eigenvalues).
-    fn add_sticking(&self, matrix: &mut DMatrix<f64>, number: usize) {
+    fn add_sticking(&self, matrix: &mut DMatrix<f64>, number: usize, loads: &Entries) {
         let (contact, n) = (&self.model.contacts[number], self.model.len());
-        add_reaction(matrix, n, contact);
+        add_reaction(matrix, n, contact, loads);
         for &(i, x) in contact.responses() {
             for &(j, b) in contact.direction.iter() {
                 let stiffness = contact.tangential_stiffness.unwrap_or(0.0);
@@ -495,23 +606,25 @@ impl<'m, 's> SlidingField<'m, 's> {
         Some(identity - responses * inverse * along.transpose())
     }
 
+    /// The load of a contact along a line, as [`terms`](Self::terms) needs it.
+    fn load_along(&self, contact: &ContactData<'_>, line: &DVector<f64>) -> PowerSeries {
+        let at_rest = contact.load_at(0.0, |j| self.displacements[j]);
+        let mut load = linear(at_rest, contact.displacement_load(|j| line[j]));
+        for e in contact.load_laws.clone() {
+            let law = &self.model.elements[e];
+            let force = forces_along(self.model, law, &self.elements[e], line)[0];
+            load.add(law.factor.value(0.0), &force);
+        }
+        load
+    }
+
     /// The terms of second and third order along a line: the coefficients of t² and t³ in F(x̄ + t
     /// u). Friction and force elements alone have such terms.
     pub(crate) fn terms(&self, line: &DVector<f64>) -> [DVector<f64>; 2] {
         let (model, n) = (self.model, self.model.len());
         let mut terms = [DVector::zeros(self.order()), DVector::zeros(self.order())];
         for (element, tangent) in std::iter::zip(&model.elements, &self.elements) {
-            let along = element.along(|j| line[model.position_row(j)]);
-            let positions = std::iter::zip(&tangent.positions, along);
-            let positions = positions.map(|(x, part)| linear(*x, part));
-            let velocities = element.along(|j| if j < n { line[n + j] } else { 0.0 });
-            let velocities = velocities.into_iter();
-            let velocities = velocities.map(|part| linear(0.0, part));
-            let forces = element.law.series(Place {
-                positions: &positions.collect::<Vec<_>>(),
-                velocities: &velocities.collect::<Vec<_>>(),
-                piece: element.piece_above(tangent.positions[0]),
-            });
+            let forces = forces_along(model, element, tangent, line);
             let factor = element.factor.value(0.0);
             for (response, force) in std::iter::zip(&element.responses, &forces) {
                 for &(i, x) in response {
@@ -524,6 +637,15 @@ impl<'m, 's> SlidingField<'m, 's> {
         for (number, (contact, slides)) in
             std::iter::zip(&model.contacts, &self.contacts).enumerate()
         {
+            if self.is_open(number) {
+                continue;
+            }
+            let loads = self.load_along(contact, line);
+            for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
+                for &(i, y) in &contact.reaction {
+                    terms[n + i] -= y * loads[k];
+                }
+            }
             let Some(slides) = slides else {
                 continue;
             };
@@ -538,26 +660,26 @@ impl<'m, 's> SlidingField<'m, 's> {
                 direction: slides.direction,
                 piece: contact.piece_above(speed),
             });
-            let load = contact.displacement_load(|j| line[j]);
-            let loads = linear(slides.load, load);
             let mut coefficient = PowerSeries::ZERO;
-            let mut inputs = vec![(Input::Speed, slip)];
-            inputs.extend((0..memory.len()).map(|j| (Input::Memory(j), line[first + j])));
-            if !memory.is_empty() && !contact.load_gradient.is_empty() {
-                inputs.push((Input::Load, load));
+            let constant = |part: f64| PowerSeries::of(part);
+            let mut inputs = vec![(Input::Speed, constant(slip))];
+            inputs.extend((0..memory.len()).map(|j| (Input::Memory(j), constant(line[first + j]))));
+            if !memory.is_empty() && contact.load_follows() {
+                inputs.push((Input::Load, loads.derivative()));
             }
-            for (by, part) in inputs {
+            for (by, parts) in inputs {
                 let found = contact.law.derivative(motion, &loads, &memory, by);
                 coefficient = found.coefficient;
                 for (j, rate) in found.rates.iter().enumerate() {
                     // The rate changes along the line by its derivatives.
                     for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
-                        terms[first + j] += part * rate[k - 1] / k as f64;
+                        let sum = (0..k).map(|l| parts[l] * rate[k - 1 - l]).sum::<f64>();
+                        terms[first + j] += sum / k as f64;
                     }
                 }
             }
             for (k, terms) in [2, 3].into_iter().zip(&mut terms) {
-                let force = slides.load * coefficient[k] + load * coefficient[k - 1];
+                let force = (0..=k).map(|l| loads[l] * coefficient[k - l]).sum::<f64>();
                 for &(i, x) in contact.responses() {
                     terms[n + i] -= x * contact.compliance * force;
                 }
@@ -592,10 +714,31 @@ fn linear(a: f64, b: f64) -> PowerSeries {
     })
 }
 
-/// The force of a normal spring.
-fn add_reaction(matrix: &mut DMatrix<f64>, n: usize, contact: &ContactData<'_>) {
+/// The forces of an element along a line from steady sliding.
+fn forces_along(
+    model: &Model<'_>,
+    element: &ElementData<'_>,
+    tangent: &ElementTangent,
+    line: &DVector<f64>,
+) -> Vec<PowerSeries> {
+    let n = model.len();
+    let along = element.along(|j| line[model.position_row(j)]);
+    let positions = std::iter::zip(&tangent.positions, along);
+    let positions = positions.map(|(x, part)| linear(*x, part));
+    let velocities = element.along(|j| if j < n { line[n + j] } else { 0.0 });
+    let velocities = velocities.into_iter();
+    let velocities = velocities.map(|part| linear(0.0, part));
+    element.law.series(Place {
+        positions: &positions.collect::<Vec<_>>(),
+        velocities: &velocities.collect::<Vec<_>>(),
+        piece: element.piece_above(tangent.positions[0]),
+    })
+}
+
+/// The force of a normal spring, from the derivatives of the load.
+fn add_reaction(matrix: &mut DMatrix<f64>, n: usize, contact: &ContactData<'_>, loads: &Entries) {
     for &(i, y) in &contact.reaction {
-        for &(j, gradient) in &contact.load_gradient {
+        for &(j, gradient) in loads {
             matrix[(n + i, j)] -= y * gradient;
         }
     }
@@ -619,6 +762,13 @@ fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<
     let normal: Vec<usize> = (0..n).filter(is_normal).collect();
     eigen.eigenvectors.select_columns(&normal)
 }
+
+/// Slip at r = 0, where friction has no direction only if there is none.
+const STILL: Slip<f64> = Slip {
+    speed: 0.0,
+    direction: 1.0,
+    piece: 0,
+};
 
 /// Slip at a relative velocity; `None` at 0.
 fn slip_at(relative: f64, contact: &ContactData<'_>) -> Option<Slip<f64>> {

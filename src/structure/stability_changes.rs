@@ -57,7 +57,7 @@ impl Structure {
         for contact in self.contacts() {
             let mut contact = contact.clone().on_belt(held(contact.belt_velocity()));
             contact.load = Arc::new(held(&contact.load));
-            frozen = frozen.with_contact(contact)?;
+            frozen = frozen.with_any_load(contact)?;
         }
         for element in self.elements() {
             let factor = held(element.factor());

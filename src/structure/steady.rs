@@ -18,7 +18,11 @@ use crate::error::{Error, NotSliding};
 /// k_n·d, and the force −d N_c and its perturbation are added on the right sides. The memory
 /// variables z of a contact, such as the deflection of bristles, have the values at which z' = 0.
 /// Their perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second equation,
-/// and δz' is linear in δz and b_c·δq'.
+/// and δz' is linear in δz, b_c·δq' and δN_c.
+///
+/// [Load laws](crate::Contact::with_load_law) φ(a·q, a·v) add φ(a·q, 0) to N_c, and the terms
+/// (∂φ/∂x a·δq + ∂φ/∂y a·δq') to n_c·δq. The displacements then follow by Newton's method, as with
+/// force elements.
 ///
 /// If a load depends on displacements, friction makes the stiffness matrix unsymmetric. Two modes
 /// can then merge, and one of them can grow (flutter by mode coupling). This can happen even if
@@ -92,7 +96,9 @@ impl Structure {
     ///
     /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies in time, if
     /// the surface of a contact does not move (w = 0), or if a load is not positive in the
-    /// equilibrium. The same error is returned if memory variables have no constant values, if a
+    /// equilibrium and its contact has a load gradient, but neither a normal spring nor a load law.
+    /// Other contacts are open there: they have no friction, and their surfaces may be at rest.
+    /// The same error is returned if memory variables have no constant values, if a
     /// number overflows, or if the stiffness matrix with the terms of friction and of first-order
     /// states is singular, as with an integrator whose input cannot be 0. To make it non-singular,
     /// restrain the rigid-body modes, or use

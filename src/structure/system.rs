@@ -389,8 +389,15 @@ impl Structure {
     ///   jumps; [`Error::BadElement`] if that velocity is not finite at all times;
     /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290: outside this range forces would
     ///   lose digits. b_j are the entries of the direction, and m_j the masses;
-    /// * [`Error::InvalidParameter`] beyond [`MAX_CONTACTS`](Self::MAX_CONTACTS).
-    pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
+    /// * [`Error::InvalidParameter`] beyond [`MAX_CONTACTS`](Self::MAX_CONTACTS), and if the load
+    ///   is a constant ≤ 0 and the contact has neither a normal spring nor a load law.
+    pub fn with_contact(self, contact: Contact) -> Result<Self, Error> {
+        contact.check_load()?;
+        self.with_any_load(contact)
+    }
+
+    /// Adds a contact that may be open at all times.
+    pub(super) fn with_any_load(mut self, contact: Contact) -> Result<Self, Error> {
         check_contacts(self.contacts.len() + 1)?;
         contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
@@ -602,6 +609,9 @@ impl Structure {
             Cow::Borrowed(&self.forces),
             self.contacts.iter().map(Contact::data).collect(),
             (elements.collect(), first_order.collect()),
+            self.contacts
+                .iter()
+                .map(|contact| contact.load_data().collect()),
         )
     }
 }

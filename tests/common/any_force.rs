@@ -1,7 +1,7 @@
 //! Random force laws: those of the crate, and the tests' own.
 
 use stick_slip::{
-    Backlash, ForceElement, ForceLaw, Pendulum, PolynomialSpring, Scalar, SnapThrough,
+    Backlash, Contact, ForceElement, ForceLaw, Pendulum, PolynomialSpring, Scalar, SnapThrough,
     TabulatedForce, VanDerPol,
 };
 
@@ -121,6 +121,11 @@ impl AnyForce {
     /// An element with the law itself, as a user makes it.
     pub fn element(self, direction: &[(usize, f64)]) -> ForceElement {
         for_each!(self, law => ForceElement::along(direction, law)).unwrap()
+    }
+
+    /// A contact with the law itself in its load.
+    pub fn press(self, contact: Contact, direction: &[(usize, f64)]) -> Contact {
+        for_each!(self, law => contact.with_load_law(direction, law)).unwrap()
     }
 
     /// The number of the piece at a position.

@@ -92,6 +92,8 @@ pub struct PlainContact {
     pub law: AnyLaw,
     pub load: PlainDrive,
     pub gradient: Vec<f64>,
+    /// φ, each along a direction.
+    pub laws: Vec<(DVector<f64>, AnyForce)>,
     pub belt: PlainDrive,
 }
 
@@ -245,6 +247,7 @@ impl Plain {
                 law: any_law(random),
                 load,
                 gradient,
+                laws: Vec::new(),
                 belt,
             });
         }
@@ -371,6 +374,7 @@ impl Plain {
                 law,
                 load,
                 gradient,
+                laws: Vec::new(),
                 belt,
             });
         }
@@ -547,6 +551,25 @@ impl Plain {
         self
     }
 
+    /// The same with laws in the loads of half of the contacts.
+    pub fn with_load_laws(mut self, random: &mut Random) -> Self {
+        let n = self.len();
+        for contact in &mut self.contacts {
+            for _ in 0..random.bits() % 3 {
+                let i = (random.bits() % n as u64) as usize;
+                let direction = match random.bits() % 2 {
+                    0 => unit(n, i),
+                    _ => DVector::from_fn(n, |_, _| random.uniform(-1.0, 1.0)),
+                };
+                let kind = (random.bits() % Random::FORCES as u64) as usize;
+                let (stiffness, length) = (random.uniform(0.1, 0.8), random.uniform(0.5, 2.0));
+                let law = random.any_force(kind, stiffness, length);
+                contact.laws.push((direction, law));
+            }
+        }
+        self
+    }
+
     /// Number of coordinates.
     pub fn len(&self) -> usize {
         self.mass.nrows()
@@ -570,6 +593,10 @@ impl Plain {
                 .on_belt(contact.belt.drive());
             for (j, &n) in contact.gradient.iter().enumerate() {
                 made = made.with_load_gradient(j, n).unwrap();
+            }
+            for (direction, law) in &contact.laws {
+                let direction: Vec<_> = direction.iter().copied().enumerate().collect();
+                made = law.clone().press(made, &direction);
             }
             structure = structure.with_contact(made).unwrap();
         }
@@ -624,10 +651,12 @@ pub type Seen = (f64, usize, char, f64);
 
 impl Plain {
     /// The load of each contact.
-    pub fn loads(&self, t: f64, q: &DVector<f64>, before: bool) -> Vec<f64> {
+    pub fn loads(&self, t: f64, [q, v]: [&DVector<f64>; 2], before: bool) -> Vec<f64> {
         let load = |contact: &PlainContact| {
             let gradient: f64 = contact.gradient.iter().zip(q).map(|(n, q)| n * q).sum();
-            contact.load.at(t, before)[0] + gradient
+            let laws = contact.laws.iter();
+            let laws = laws.map(|(a, law)| law.at(a.dot(q), a.dot(v)));
+            contact.load.at(t, before)[0] + gradient + laws.sum::<f64>()
         };
         self.contacts.iter().map(load).collect()
     }
@@ -714,7 +743,7 @@ impl<'p> Simple<'p> {
                 force -= &stop.inward * stop.pressure(q, v)[1];
             }
         }
-        let loads = plain.loads(t, q, before);
+        let loads = plain.loads(t, [q, v], before);
         let mut carried = vec![0.0; loads.len()];
         for (c, contact) in plain.contacts.iter().enumerate() {
             if let Does::Slip(side) = self.does[c] {
@@ -760,7 +789,7 @@ impl<'p> Simple<'p> {
     fn due(&self, h: f64) -> Vec<usize> {
         let (q, v) = self.after(h);
         let t = self.t + h;
-        let loads = self.plain.loads(t, &q, true);
+        let loads = self.plain.loads(t, [&q, &v], true);
         let (_, carried) = self.rates(t, &q, &v, true);
         let due = |c: &usize| {
             let contact = &self.plain.contacts[*c];
@@ -806,7 +835,7 @@ impl<'p> Simple<'p> {
         }
         let due: Vec<usize> = due.iter().copied().filter(|&c| c < STOPS).collect();
         let was = self.does.clone();
-        let loads = plain.loads(self.t, &self.q, false);
+        let loads = plain.loads(self.t, [&self.q, &self.v], false);
         let mut does = was.clone();
         for c in due {
             let r = plain.sliding(c, self.t, &self.v);
@@ -874,7 +903,8 @@ impl<'p> Simple<'p> {
                 (Does::Slip(_), Does::Slip(_)) => continue,
             };
             self.seen.push((self.t, c, event.0, event.1));
-            let depends = plain.contacts[c].gradient.iter().any(|n| *n != 0.0);
+            let contact = &plain.contacts[c];
+            let depends = contact.laws.is_empty() && contact.gradient.iter().any(|n| *n != 0.0);
             if event.0 == 'o' && depends {
                 return false;
             }
@@ -905,7 +935,7 @@ impl Plain {
             let t = simple.t;
             // At a break the drives may have jumped: what sticks is asked anew, and so are loads.
             if breaks.contains(&t) {
-                let loads = self.loads(t, &simple.q, false);
+                let loads = self.loads(t, [&simple.q, &simple.v], false);
                 let due: Vec<usize> = (0..self.contacts.len())
                     .filter(|&c| match simple.does[c] {
                         Does::Stick => true,

@@ -315,7 +315,7 @@ fn systems() -> Vec<Case> {
         "Drive" "size" BELOW, |x| Drive::function(Timed([x, 1.0, 1.0, 0.0]));
         "Drive" "period" NOT_ABOVE, |x| Drive::function(Timed([1.0, 1.0, x, 0.0]));
         "Drive" "value" &ANY, |x| Drive::function(Timed([1.0, 1.0, 1.0, x]));
-        "Contact" "load" NOT_ABOVE, |x| Contact::new(0, law(), x);
+        "Contact" "load" NOT_ABOVE, |x| blocks().with_contact(Contact::new(0, law(), x)?);
         "Contact" "gradient" &ANY, |x| Contact::new(0, law(), 1.0)?.with_load_gradient(0, x);
         "Stop" "q_max" &ANY, |x| Stop::above(0, x, 0.0);
         "Stop" "q_min" &ANY, |x| Stop::below(0, x, 0.0);

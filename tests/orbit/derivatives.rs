@@ -277,6 +277,49 @@ fn derivatives_with_heat_are_those_of_motions_beside() {
     agree(Draw(Random::new(54)), count(30, 300), &mut add);
 }
 
+/// The same with laws of all kinds in the loads of contacts, with and without a temperature.
+#[test]
+fn derivatives_with_load_laws_are_those_of_motions_beside() {
+    let mut add = |random: &mut Draw, mut structure: Structure| {
+        for number in 0..=random.one_of(2) {
+            let n = structure.len();
+            let law = Heat {
+                cold: random.uniform(0.3, 0.6),
+                hot: random.uniform(0.1, 0.3),
+                heating: random.uniform(0.0, 1.0),
+                cooling: random.uniform(0.0, 1.0),
+                conduction: random.uniform(0.0, 1.0),
+            };
+            let i = random.one_of(n as u64) as usize;
+            let load = random.drive(0.8, 0.4, false);
+            // Two surfaces of one velocity would move with a mass at the same times.
+            let belt = random.drive(0.2 + 0.07 * number as f64, 0.3, false);
+            let mut contact = match random.one_of(2) {
+                0 => Contact::new(i, law, load),
+                _ => Contact::new(i, random.law(), load),
+            }
+            .unwrap()
+            .on_belt(belt);
+            for _ in 0..=random.one_of(2) {
+                let direction: Vec<(usize, f64)> =
+                    (0..n).map(|j| (j, random.uniform(-1.0, 1.0))).collect();
+                let kind = random.one_of(Random::FORCES as u64) as usize;
+                contact = random
+                    .0
+                    .any_force(kind, 0.5, 1.0)
+                    .press(contact, &direction);
+            }
+            if random.one_of(3) == 0 {
+                let j = random.one_of(n as u64) as usize;
+                contact = contact.with_normal_spring(&[(j, 1.0)], 0.4).unwrap();
+            }
+            structure = structure.with_contact(contact).unwrap();
+        }
+        structure
+    };
+    agree(Draw(Random::new(55)), count(40, 300), &mut add);
+}
+
 /// Compares the derivatives of so many motions of structures, drawn and then completed.
 fn agree(
     mut random: Draw,
@@ -296,6 +339,12 @@ fn agree(
         let (steps, exact) = match monodromy(&structure, &start, duration) {
             Ok(found) => found,
             Err(Error::Separation { .. } | Error::OverLimit { .. }) => continue,
+            // A load that grows with the speed it causes runs away.
+            Err(Error::StepUnderflow { reached, .. })
+                if reached.state.velocities.iter().any(|v| v.abs() > 1e6) =>
+            {
+                continue;
+            }
             Err(error) => panic!("{error}: {structure:?} {start:?}"),
         };
         let events = sequence(&steps);

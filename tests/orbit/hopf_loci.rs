@@ -4,9 +4,12 @@ use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::{Criticality, HopfLocus, hopf_locus};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{LocusEnd, SpecialKind};
-use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure};
+use stick_slip::structure::State;
+use stick_slip::{
+    Contact, Coulomb, Drive, Error, Exponential, ForceLaw, LuGre, MassOnBelt, Scalar, Structure,
+};
 
-use crate::common::{count, exactly, list, number, one_mass, text};
+use crate::common::{Random, count, exactly, list, number, one_mass, text};
 use crate::loci::{curve, member};
 
 /// Error promised for parameters, in units of max(1, |value|).
@@ -209,4 +212,74 @@ fn undamped_systems_and_bad_families_are_no_trouble() {
         _ => false,
     };
     assert!(loci[0].ends.iter().any(lost), "{:?}", loci[0].ends);
+}
+
+/// A law in a load that depends on place and speed: x'' + x + cx' = μφ(x, x') is an oscillator with
+/// quadratic and cubic terms, whose first Lyapunov coefficient is known in closed form. Motions are
+/// the witness: inside and outside the circle that averaging gives they move apart from it, or
+/// towards it.
+#[test]
+fn a_load_law_decides_the_criticality() {
+    /// φ = ay + ex² + dxy + βx²y + γy³.
+    #[derive(Debug, Clone, Copy)]
+    struct Terms([f64; 5]);
+    impl ForceLaw for Terms {
+        fn force<S: Scalar>(&self, x: S, y: S, _: usize) -> S {
+            let [a, e, d, beta, gamma] = self.0;
+            let square = x * x;
+            y * a + square * e + x * y * d + square * y * beta + y.powi(3) * gamma
+        }
+    }
+    const LOAD: f64 = 2.0;
+    let mut random = Random::new(91);
+    let [mut falling, mut rising] = [0, 0];
+    for _ in 0..count(8, 60) {
+        let mut draw = |low: f64, high: f64| random.uniform(low, high);
+        let (mu, a) = (draw(0.3, 0.9), draw(0.1, 0.5));
+        let terms = [
+            a,
+            draw(-1.0, 1.0),
+            draw(-1.0, 1.0),
+            draw(-1.0, 1.0),
+            draw(-1.0, 1.0),
+        ];
+        let [_, e, d, beta, gamma] = terms;
+        let family = |damping: f64, speed: f64| {
+            let contact = Contact::new(0, Coulomb::new(mu, mu)?, LOAD)?
+                .with_load_law(&[(0, 1.0)], Terms(terms))?
+                .on_belt(speed);
+            // Around x = 0.
+            one_mass([1.0, damping, 1.0], -mu * LOAD, contact)
+        };
+        let loci = hopf_locus(family, [0.5 * mu * a..1.5 * mu * a, 9.0..11.0]).unwrap();
+        let point = &loci[0].points[0];
+        assert!(close(point.parameters[0], mu * a) && close(point.frequency, 1.0));
+        let lyapunov = 0.25 * (mu * (beta + 3.0 * gamma) + mu * mu * d * e);
+        let found = point.first_lyapunov_coefficient;
+        assert!((found - lyapunov).abs() < 1e-12, "{found} {lyapunov}");
+        if lyapunov.abs() < 0.02 {
+            continue;
+        }
+        // A' = αA + l1 A³/2 near the point; a circle of radius 0.05.
+        const AMPLITUDE: f64 = 0.05;
+        let growth = -0.5 * lyapunov * AMPLITUDE * AMPLITUDE;
+        let system = family(mu * a - 2.0 * growth, 10.0).unwrap();
+        for part in [0.7, 1.3] {
+            let start = State::new(&[part * AMPLITUDE], &[0.0]);
+            let period = system.steady_sliding().unwrap().eigenvalues[0].im.abs();
+            let duration = 40.0 * std::f64::consts::TAU / period;
+            let last = system.simulate(start, duration).unwrap().last();
+            let end = last.displacements[0].hypot(last.velocities[0]);
+            let grows = (lyapunov < 0.0) == (part < 1.0);
+            let log = (end / (part * AMPLITUDE)).ln();
+            // Of u = (A/0.05)², u' = 2αu(1 − u).
+            let (u, factor) = (part * part, (2.0 * growth * duration).exp());
+            let expected = 0.5 * (factor / (1.0 - u + u * factor)).ln();
+            assert_eq!(log > 0.0, grows, "{log} {expected}");
+            assert!((log / expected - 1.0).abs() < 0.15, "{log} {expected}");
+        }
+        falling += u32::from(lyapunov < 0.0);
+        rising += u32::from(lyapunov > 0.0);
+    }
+    assert!(falling > 1 && rising > 1, "{falling} {rising}");
 }

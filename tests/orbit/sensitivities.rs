@@ -8,8 +8,8 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Drive, Element, Error, EventKind, Exponential, MassOnBelt, Mode, Polynomial,
-    Structure,
+    Contact, Coulomb, Drive, Element, Error, EventKind, Exponential, ForceLaw, MassOnBelt, Mode,
+    Polynomial, Scalar, Structure,
 };
 
 use crate::common::orbit::monodromy;
@@ -603,4 +603,40 @@ fn members_of_another_size_are_refused() {
         }
     };
     assert!(orbit_sensitivities(family, &[0.5], &orbit).is_err());
+}
+
+/// A bead on a horizontal ring, v' = −μv²/R: derivatives of the closed form by μ, R and the start,
+/// where R is a number of the load law.
+#[test]
+fn a_bead_on_a_ring_has_the_derivatives_of_its_closed_form() {
+    struct Ring(f64);
+    impl ForceLaw for Ring {
+        fn force<S: Scalar>(&self, _: S, velocity: S, _: usize) -> S {
+            velocity.square() / self.0
+        }
+    }
+    let (mu, radius, v0, t) = (0.3, 2.0, 3.0, 7.0);
+    let family = |p: &[f64]| {
+        let contact = Contact::new(0, Coulomb::new(p[0], p[0])?, 0.0)?;
+        let contact = contact.with_load_law(&[(0, 1.0)], Ring(p[1]))?;
+        let bead = Structure::new(&[1.0])?.with_contact(contact)?;
+        Ok((bead, State::new(&[0.0], &[p[2]])))
+    };
+    let found = sensitivities(family, &[mu, radius, v0], t).unwrap();
+    let found = found.at(t).unwrap();
+    // s = (R/μ) ln D, v = v0/D, D = 1 + μ v0 t/R.
+    let d = 1.0 + mu * v0 * t / radius;
+    let by_d = [
+        v0 * t / radius,
+        -mu * v0 * t / (radius * radius),
+        mu * t / radius,
+    ];
+    let scale = radius / mu;
+    let by_scale = [-scale / mu, 1.0 / mu, 0.0];
+    for j in 0..3 {
+        let place = by_scale[j] * d.ln() + scale * by_d[j] / d;
+        let speed = f64::from(u8::from(j == 2)) / d - v0 * by_d[j] / (d * d);
+        assert_abs_diff_eq!(found[(0, j)], place, epsilon = ACCURACY * 10.0);
+        assert_abs_diff_eq!(found[(1, j)], speed, epsilon = ACCURACY * 10.0);
+    }
 }

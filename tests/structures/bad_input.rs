@@ -96,7 +96,7 @@ fn the_number_of_contacts_is_bounded() {
 #[test]
 fn remedies_fit_gaps_and_dependent_contacts() {
     for load in [0.0, -2.5, f64::NAN] {
-        let gap = Contact::new(0, law(), load);
+        let gap = Contact::new(0, law(), load).and_then(|c| masses(1).with_contact(c));
         message(
             gap.map(drop),
             &["load > 0", "gap", "`Contact::with_normal_spring`"],

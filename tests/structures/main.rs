@@ -28,6 +28,7 @@ mod formulas;
 mod functions;
 mod heat;
 mod identities;
+mod loads;
 mod memory;
 mod memory_formulas;
 mod not_numbers;

@@ -375,6 +375,49 @@ fn a_simple_integrator_sees_the_same_events_with_first_order_states() {
     assert!(all.undecided * 5 < cases, "{all}");
 }
 
+/// The same with loads of all kinds.
+#[test]
+fn a_simple_integrator_sees_the_same_events_with_load_laws() {
+    let mut random = Random::new(503);
+    let mut all = Comparison::default();
+    let (mut tried, cases) = (0, count(40, 300));
+    let (mut opened, mut closed) = (0, 0);
+    while tried < cases {
+        let is_shared = random.bits().is_multiple_of(2);
+        let plain = match is_shared {
+            false => Plain::random(&mut random),
+            true => Plain::shared(&mut random, false),
+        };
+        let plain = plain.with_load_laws(&mut random);
+        let start = plain.start(&mut random);
+        if is_shared && !plain.is_clear(&start) {
+            continue;
+        }
+        tried += 1;
+        let duration = 10.0;
+        const STEP: f64 = 4e-3;
+        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
+        let motion = format!("{tried}:\n{plain:?}\n{start:?}");
+        let (trajectory, end) =
+            simulate(&plain, &start, duration).unwrap_or_else(|error| panic!("{error}\n{motion}"));
+        if fine.iter().chain(&coarse).any(|seen| seen.2 == 'u') {
+            continue;
+        }
+        let mut found = told(&trajectory);
+        found.extend(end);
+        all.add(&found, [&coarse, &fine], duration, &motion);
+        opened += found.iter().filter(|seen| seen.2 == 'o').count();
+        closed += found.iter().filter(|seen| seen.2 == 'c').count();
+    }
+    println!("{all}, {opened} openings, {closed} closings");
+    assert!(all.compared > 3 * cases, "{all}");
+    assert!(all.undecided * 5 < cases, "{all}");
+    assert!(
+        opened > cases / 4 && closed > cases / 4,
+        "{opened} {closed}"
+    );
+}
+
 /// A limit of steps ends what does not end by itself.
 #[test]
 fn limits_of_work_hold() {

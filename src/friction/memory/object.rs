@@ -29,7 +29,8 @@ pub(crate) trait LawObject {
     /// Replaces sliding speeds by μ(r, z), with direction and piece of `slip`; a speed below 0 by
     /// that at 0. The memory by the number of the speed, then by variable.
     fn values(&self, slip: Slip<()>, speeds: &mut [f64], memory: &dyn Fn(usize, usize) -> f64);
-    /// μ_s(z) backward and forward.
+    /// μ_s(z) backward and forward; `None` for a law that never sticks, such as one without
+    /// friction.
     fn limits(&self, memory: Memory<'_>) -> Option<[f64; 2]>;
     /// ∂μ_s/∂z_j of both; NaN for a law that never sticks.
     fn limit_slopes(&self, memory: &[f64], by: usize) -> [f64; 2];
@@ -149,7 +150,9 @@ impl<L: ContactLaw> LawObject for L {
     }
 
     fn limits(&self, memory: Memory<'_>) -> Option<[f64; 2]> {
-        ContactLaw::limits(self, 0.0, Variables::from_fn(memory))
+        let limits = ContactLaw::limits(self, 0.0, Variables::from_fn(memory));
+        // Without friction nothing sticks.
+        limits.filter(|_| ContactLaw::constant(self, Own) != Some(0.0))
     }
 
     fn limit_slopes(&self, memory: &[f64], by: usize) -> [f64; 2] {

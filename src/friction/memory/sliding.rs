@@ -93,6 +93,9 @@ impl Sliding {
     /// slip, such as the clock of `Dwell`, stay as they are.
     fn memory_for(&self, rates: Vec<f64>) -> Option<DVector<f64>> {
         let count = rates.len();
+        if count == 0 {
+            return Some(DVector::zeros(0));
+        }
         let matrix = DMatrix::from_fn(count, count, |i, j| {
             let alone = if i == j { 1.0 } else { 0.0 };
             if self.changes(i) {

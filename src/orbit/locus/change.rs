@@ -95,7 +95,8 @@ pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) 
     let (kinetic, limits) = contact.coefficients_at_rest(*side, memory);
     let limit = limits?[side.opposite().place()];
     let h = step.duration();
-    let friction = load_at_end(contact, step)[0] * contact.compliance * (kinetic + limit);
+    let friction =
+        load_at_end(&form.model, number, step)[0] * contact.compliance * (kinetic + limit);
     let rate = speeds(form, step, number, *side).slope_at(h);
     (friction > 0.0).then(|| -rate / friction - 1.0)
 }

@@ -21,6 +21,8 @@ pub(crate) struct ContactData<'s> {
     pub(crate) load: Arc<Drive>,
     /// n, including the stiffness of a normal spring.
     pub(crate) load_gradient: Vec<(usize, f64)>,
+    /// The places of the laws of its load among the elements.
+    pub(crate) load_laws: Range<usize>,
     pub(crate) belt_velocity: Arc<Drive>,
     /// k_t of an elastic contact.
     pub(crate) tangential_stiffness: Option<f64>,
@@ -68,6 +70,7 @@ impl<'s> ContactData<'s> {
             law,
             load,
             load_gradient,
+            load_laws: 0..0,
             belt_velocity,
             tangential_stiffness: None,
             normal: &[],
@@ -116,7 +119,19 @@ impl<'s> ContactData<'s> {
         limits.is_some_and(|limits| limits.contains(&f64::INFINITY))
     }
 
-    /// N at a time, negative if the contact is open.
+    /// Returns false if a load that falls below 0 ends a motion: a load gradient alone presses
+    /// where surfaces part.
+    pub(crate) fn may_open(&self) -> bool {
+        let by_gradient = !self.load_gradient.is_empty() && self.load_laws.is_empty();
+        !(by_gradient && self.normal.is_empty())
+    }
+
+    /// Returns true if the load depends on the state.
+    pub(crate) fn load_follows(&self) -> bool {
+        !self.load_gradient.is_empty() || !self.load_laws.is_empty()
+    }
+
+    /// N at a time without its laws: see [`Model::load_at`](super::model::Model::load_at).
     pub(crate) fn load_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
         load_at(self.load.value(time), &self.load_gradient, displacement)
     }
@@ -177,7 +192,7 @@ impl<'s> ContactData<'s> {
         (self.constant_coefficient() * load).max(0.0)
     }
 
-    /// Sum of the sizes of all terms of the load.
+    /// Sum of the sizes of all terms of the load without its laws.
     pub(crate) fn load_size(&self, displacement: impl Fn(usize) -> f64) -> f64 {
         let by_displacements = self.load_gradient.iter();
         let sizes = by_displacements.map(|&(j, n)| (n * displacement(j)).abs());

@@ -3,6 +3,7 @@
 use super::contact::ContactData;
 use super::contact_series::{ContactSeries, StepMode, correction};
 use super::coordinate_series::CoordinateSeries;
+use super::element_series::ElementSeries;
 use super::limits::limit_force;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::MemoryOrder;
@@ -30,17 +31,21 @@ impl ContactSeries {
         mul_add(self.side, speed, surface)
     }
 
-    /// Coefficient k of the load.
+    /// Coefficient k of the load; that of the elements is known.
     #[inline(always)]
     pub(super) fn load_order(
         &mut self,
         contact: &ContactData<'_>,
         coordinates: &[CoordinateSeries],
+        elements: &[ElementSeries],
         k: usize,
     ) {
         if self.load_varies {
-            let by_displacements =
+            let mut by_displacements =
                 contact.displacement_load(|j| coordinates[j].motion.displacement(k));
+            for law in &elements[contact.load_laws.clone()] {
+                by_displacements += law.product(0, k);
+            }
             self.load[k] = self.drive_load[k] + by_displacements * contact.compliance;
         }
     }

@@ -84,7 +84,7 @@ impl ContactSeries {
             bounds: [PowerSeries::ZERO; 2],
             load,
             drive_load: load,
-            load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
+            load_varies: !contact.load.is_constant() || contact.load_follows(),
             free: 0.0,
             friction: PowerSeries::ZERO,
             slope: 0.0,

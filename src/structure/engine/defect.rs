@@ -68,7 +68,14 @@ pub(super) fn is_accepted(
     contacts
         && std::iter::zip(&model.elements, elements)
             .filter(|(_, of)| of.acts)
-            .all(|(element, of)| force_is_accepted((element, of), plan, &held, checks))
+            .all(|(element, of)| match element.pressed {
+                None => force_is_accepted((element, of), plan, &held, checks),
+                Some(c) => {
+                    // Within the errors that the coefficients of a load may have.
+                    let (defects, size) = (defects(element, of, checks)[0], plan.loads[c]);
+                    Allowance::new(plan.tolerance * size, size).accepts(defects, 1.0)
+                }
+            })
 }
 
 /// Returns true if the series of all functions of users, as drives, are those of the functions over
@@ -84,18 +91,18 @@ pub(super) fn functions_are_accepted(
     defects.all(|[defect, size]| Allowance::new(tolerance * size, size).accepts([defect; 3], 1.0))
 }
 
-/// Returns true if the defect of a force element is accepted on each of its coordinates: at the
-/// same places, and about the extrema of its positions and velocities.
-fn force_is_accepted(
-    (element, of): (&ElementData<'_>, &mut ElementSeries),
-    plan: &Plan,
-    held: &dyn Fn(usize) -> Option<Allowance>,
+/// The sums of defects of an element.
+const QUARTERS: usize = 0;
+const EXTREMA: usize = 1;
+const BETWEEN: usize = 2;
+
+/// The sums of the defects of each force of an element: at the same places, and about the extrema
+/// of its positions and velocities.
+fn defects<'s>(
+    element: &ElementData<'_>,
+    of: &'s mut ElementSeries,
     checks: Checks,
-) -> bool {
-    /// The sums of defects of an element.
-    const QUARTERS: usize = 0;
-    const EXTREMA: usize = 1;
-    const BETWEEN: usize = 2;
+) -> &'s [[f64; 3]] {
     of.defects.fill([0.0; 3]);
     for first in (0..checks.count()).step_by(GROUPS) {
         let times = std::array::from_fn(|k| checks.group(first + k));
@@ -113,10 +120,21 @@ fn force_is_accepted(
             of.add_defects(element, &[times; GROUPS], &[EXTREMA]);
         });
     }
+    &of.defects
+}
+
+/// Returns true if the defect of a force element is accepted on each of its coordinates.
+fn force_is_accepted(
+    (element, of): (&ElementData<'_>, &mut ElementSeries),
+    plan: &Plan,
+    held: &dyn Fn(usize) -> Option<Allowance>,
+    checks: Checks,
+) -> bool {
+    let of_forces = defects(element, of, checks);
     let mut coordinates = element.responses.iter().flatten().map(|&(j, _)| j);
     let n = plan.coordinates.len();
     coordinates.all(|j| {
-        let forces = || std::iter::zip(&element.responses, &of.defects);
+        let forces = || std::iter::zip(&element.responses, of_forces);
         let defects = [QUARTERS, EXTREMA, BETWEEN].map(|kind| {
             let parts = forces().map(|(response, sums)| entry(response, j).abs() * sums[kind]);
             parts.sum::<f64>()

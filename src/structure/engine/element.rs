@@ -27,6 +27,8 @@ pub(crate) struct ElementData<'s> {
     pub(crate) breakpoints: Vec<f64>,
     /// The law of a stop, whose pieces depend on the velocity, too.
     pub(crate) stop: Option<StopLaw>,
+    /// The contact of whose load the force is a part; `None` if it acts on the structure.
+    pub(crate) pressed: Option<usize>,
 }
 
 impl<'s> ElementData<'s> {
@@ -43,6 +45,7 @@ impl<'s> ElementData<'s> {
             factor,
             breakpoints: law.breakpoints(),
             stop: None,
+            pressed: None,
         }
     }
 
@@ -79,6 +82,34 @@ impl<'s> ElementData<'s> {
             piece: piece.unwrap_or(place.piece),
             ..place
         })
+    }
+
+    /// D F of a part of a load.
+    pub(crate) fn pressure(
+        &self,
+        time: f64,
+        q: impl Fn(usize) -> f64,
+        v: impl Fn(usize) -> f64,
+    ) -> f64 {
+        self.factor.value(time) * self.forces(q, v, None)[0]
+    }
+
+    /// The rate of a part of a load by the velocity along it; NaN if the force depends on this
+    /// velocity, for its own rate is not known then.
+    pub(crate) fn rate_by_positions(
+        &self,
+        factor: f64,
+        q: impl Fn(usize) -> f64,
+        v: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let (positions, velocities) = (self.along(q), self.along(v));
+        let place = self.place(&positions, &velocities);
+        let [by_position, by_velocity] = [0, 1].map(|by| self.law.slopes(place, by)[0]);
+        if by_velocity == 0.0 {
+            factor * by_position * velocities[0]
+        } else {
+            f64::NAN
+        }
     }
 
     /// F_i, and their derivatives by x_j and then y_j, a list over i for each, without the factor.

@@ -35,21 +35,27 @@ pub(super) fn revise_pieces(model: &Model<'_>, situation: &mut Situation, series
     changed
 }
 
-/// Order k of the forces of all elements on the coordinates, and of the laws of first-order states.
+/// Order k of all elements, and of the laws of first-order states.
 pub(super) fn element_order(model: &Model<'_>, series: &mut Series, k: usize) {
+    let motion = (&*series.coordinates, &*series.states);
+    for (element, of) in std::iter::zip(&model.elements, &mut series.elements) {
+        of.order(element, motion, k);
+        if k == 0 {
+            of.note_tangents(element);
+        }
+    }
+}
+
+/// Order k of their forces on the coordinates.
+pub(super) fn push(model: &Model<'_>, series: &mut Series, k: usize) {
     let Series {
         coordinates,
         elements,
-        states,
         laws,
         ..
     } = series;
     laws.fill(0.0);
     for (element, of) in std::iter::zip(&model.elements, elements) {
-        of.order(element, (coordinates, states), k);
-        if k == 0 {
-            of.note_tangents(element);
-        }
         if !of.acts {
             continue;
         }
@@ -87,12 +93,14 @@ pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<LawFault
     let rate_of = |element: usize| model.elements[element].rate_of.map(|(state, _)| state);
     let elements = series.elements[..model.first_stop()].iter().enumerate();
     let faults = elements.map(|(element, of)| {
+        let pressed = model.elements[element].pressed;
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
         if let Some(force) = of.forces.iter().find(|force| !force[0].is_finite()) {
             let value = force[0];
             let fault = LawFault::NonFiniteForce {
                 element,
+                pressed,
                 position,
                 velocity,
                 value,
@@ -101,7 +109,11 @@ pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<LawFault
         }
         let motion = of.positions.iter().chain(&of.velocities);
         let has_no_series = of.forces.iter().any(|force| !force[1].is_finite());
-        let fault = LawFault::NotAnalyticForce { element, position };
+        let fault = LawFault::NotAnalyticForce {
+            element,
+            pressed,
+            position,
+        };
         (has_no_series && motion.into_iter().all(is_given))
             .then(|| fault.in_rate_of(rate_of(element)))
     });
@@ -116,6 +128,7 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
     let elements = std::iter::zip(&model.elements, &series.elements).enumerate();
     let elements = elements.take(model.first_stop());
     let mut faults = elements.filter_map(|(element, (data, of))| {
+        let pressed = data.pressed;
         let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
         // The power series of F along the first direction.
         let fixed = |series: &Vec<PowerSeries>| -> Vec<PowerSeries> {
@@ -153,12 +166,17 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
         let fault = if grows {
             LawFault::NonFiniteForce {
                 element,
+                pressed,
                 position,
                 velocity,
                 value,
             }
         } else {
-            LawFault::NotAnalyticForce { element, position }
+            LawFault::NotAnalyticForce {
+                element,
+                pressed,
+                position,
+            }
         };
         Some(fault.in_rate_of(data.rate_of.map(|(state, _)| state)))
     });

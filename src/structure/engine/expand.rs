@@ -425,6 +425,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
     let Series {
         coordinates,
         contacts,
+        elements,
         rates,
         ..
     } = series;
@@ -438,7 +439,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
         Some(c) => {
             let (contact, of) = (&model.contacts[c], &mut contacts[c]);
             if of.load_varies {
-                of.load_order(contact, coordinates, k);
+                of.load_order(contact, coordinates, elements, k);
             }
             let surface = if is_driven && of.mode != StepMode::Open {
                 of.surface[k + 1]

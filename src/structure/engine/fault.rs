@@ -12,15 +12,17 @@ pub(super) enum LawFault {
     NotAnalytic {
         speed: f64,
     },
-    /// Of a force element.
+    /// Of a force element, or of a part of the load of contact `pressed`.
     NonFiniteForce {
         element: usize,
+        pressed: Option<usize>,
         position: f64,
         velocity: f64,
         value: f64,
     },
     NotAnalyticForce {
         element: usize,
+        pressed: Option<usize>,
         position: f64,
     },
     /// Of the law of a first-order state.
@@ -70,6 +72,7 @@ impl LawFault {
             },
             Self::NonFiniteForce {
                 element,
+                pressed: None,
                 position,
                 velocity,
                 value,
@@ -80,8 +83,32 @@ impl LawFault {
                 value,
                 reached,
             },
-            Self::NotAnalyticForce { element, position } => Error::NotAnalyticForce {
+            Self::NonFiniteForce {
+                pressed: Some(contact),
+                position,
+                velocity,
+                ..
+            } => Error::NonFiniteLoad {
+                contact,
+                position,
+                velocity,
+                reached,
+            },
+            Self::NotAnalyticForce {
                 element,
+                pressed: None,
+                position,
+            } => Error::NotAnalyticForce {
+                element,
+                position,
+                reached,
+            },
+            Self::NotAnalyticForce {
+                pressed: Some(contact),
+                position,
+                ..
+            } => Error::NotAnalyticLoad {
+                contact,
                 position,
                 reached,
             },

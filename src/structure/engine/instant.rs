@@ -44,7 +44,7 @@ pub(crate) struct AtElement {
 }
 
 /// Forces at one contact: 0 while it is open, except for velocities.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct AtContact {
     /// N.
     pub(crate) load: f64,
@@ -55,6 +55,8 @@ pub(crate) struct AtContact {
     pub(crate) surface: f64,
     /// w'.
     surface_rate: f64,
+    /// The parts of the load that have laws.
+    laws: Vec<AtElement>,
 }
 
 impl AtElement {
@@ -146,6 +148,14 @@ impl<'a, 's> Forces<'a, 's> {
                 let mode = step.modes()[c];
                 if mode != Mode::Open {
                     at.load = drive(&contact.load)[0] + contact.displacement_load(|j| q[j]);
+                    let laws = model.load_laws(c).iter().map(|law| AtElement {
+                        factor: drive(&law.factor),
+                        forces: law.forces(|j| q[j], |j| v[j], None),
+                    });
+                    at.laws = laws.collect();
+                    for law in &at.laws {
+                        at.load += law.factor[0] * law.forces[0];
+                    }
                     at.carried = known(contact, &at, mode, memory);
                 }
                 at
@@ -244,9 +254,20 @@ fn friction(
     contact.law.coefficient(slip, memory)
 }
 
-impl ContactData<'_> {
+impl Instant {
     /// N' of a closed contact.
-    pub(crate) fn load_rate(&self, time: Clock, velocities: &[f64]) -> f64 {
-        self.load.at(time)[1] + self.displacement_load(|j| velocities[j])
+    pub(crate) fn load_rate(&self, model: &Model<'_>, c: usize, time: Clock) -> f64 {
+        let (q, v) = (&self.state.displacements, &self.state.velocities);
+        let contact = &model.contacts[c];
+        let linear = contact.load.at(time)[1] + contact.displacement_load(|j| v[j]);
+        let laws = std::iter::zip(model.load_laws(c), &self.contacts[c].laws);
+        laws.fold(linear, |sum, (law, at)| {
+            let tangent = law.tangent(q, v);
+            let [factor, change] = at.factor;
+            let rates = [v, &self.accelerations].map(|x| law.along(|j| x[j])[0]);
+            let parts = std::iter::zip(&tangent.slopes, rates);
+            let change = change * at.forces[0];
+            sum + change + factor * parts.map(|(slope, rate)| slope[0] * rate).sum::<f64>()
+        })
     }
 }

@@ -42,7 +42,8 @@ pub(crate) struct Model<'s> {
     pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
-    /// Force elements, then the laws in the rates of first-order states, then stops.
+    /// Force elements, then the laws in the rates of first-order states, then the parts of the
+    /// loads of contacts, then stops.
     pub(crate) elements: Vec<ElementData<'s>>,
     pub(crate) first_order: Vec<FirstOrderData>,
     /// Number of memory variables of all contacts.
@@ -133,6 +134,7 @@ impl<'s> Model<'s> {
             Cow::Owned(vec![Drive::constant(0.0)]),
             vec![contact],
             (Vec::new(), Vec::new()),
+            std::iter::empty(),
         )
     }
 
@@ -141,9 +143,23 @@ impl<'s> Model<'s> {
         mass: Mass<'_>,
         [stiffness, damping]: [&DMatrix<f64>; 2],
         forces: Cow<'s, [Drive]>,
-        contacts: Vec<ContactData<'s>>,
-        (elements, first_order): (Vec<ElementData<'s>>, Vec<FirstOrderData>),
+        mut contacts: Vec<ContactData<'s>>,
+        (mut elements, first_order): (Vec<ElementData<'s>>, Vec<FirstOrderData>),
+        load_laws: impl Iterator<Item = Vec<ElementData<'s>>>,
     ) -> Self {
+        let stops = elements.partition_point(|element| element.stop.is_none());
+        let stops = elements.split_off(stops);
+        for (c, (contact, laws)) in std::iter::zip(&mut contacts, load_laws).enumerate() {
+            let first = elements.len();
+            elements.extend(laws.into_iter().map(|law| ElementData {
+                pressed: Some(c),
+                ..law
+            }));
+            if first < elements.len() {
+                contact.load_laws = first..elements.len();
+            }
+        }
+        elements.extend(stops);
         let n = stiffness.nrows();
         let inverse_mass = match mass {
             Mass::Diagonal(masses) => Sparse::diagonal(masses.iter().map(|m| m.recip())),
@@ -303,7 +319,10 @@ impl<'s> Model<'s> {
                 continue;
             }
             let directions = element.directions.iter();
-            let responses = directions.map(|a| responses_to(&self.inverse_mass, a));
+            let responses = directions.map(|a| match element.pressed {
+                None => responses_to(&self.inverse_mass, a),
+                Some(_) => Vec::new(),
+            });
             element.responses = responses.collect();
             for &(j, _) in element.responses.iter().flatten() {
                 self.sprung.push(j);
@@ -349,9 +368,16 @@ impl<'s> Model<'s> {
         }
         for (e, element) in self.elements.iter().enumerate() {
             let factor = element.factor.size();
+            // A part of the load of a closed contact acts with the reaction of its normal spring.
+            let reaction = match element.pressed {
+                Some(c) if mode(c) != Mode::Open => Some(&self.contacts[c].reaction),
+                _ => None,
+            };
             for (direction, slopes) in std::iter::zip(&*element.directions, tangents(e)) {
                 let size = factor * direction.iter().map(|(_, a)| a.abs()).sum::<f64>();
-                for (response, slope) in std::iter::zip(&element.responses, slopes) {
+                let responses = element.responses.iter().chain(reaction);
+                let slopes = slopes.iter().chain(slopes.first());
+                for (response, slope) in std::iter::zip(responses, slopes) {
                     // A slope that is not finite is an error of the law, found elsewhere.
                     let stiffness = if slope.is_finite() {
                         size * slope.abs()
@@ -492,12 +518,36 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// The force elements, without the laws of first-order states and without stops.
+    /// The force elements, without the laws of first-order states and of loads, and without stops.
     pub(crate) fn force_elements(&self) -> &[ElementData<'s>] {
-        let count = self
-            .elements
-            .partition_point(|element| element.rate_of.is_none() && element.stop.is_none());
-        &self.elements[..count]
+        let acts = |element: &ElementData<'_>| {
+            element.rate_of.is_none() && element.pressed.is_none() && element.stop.is_none()
+        };
+        &self.elements[..self.elements.partition_point(acts)]
+    }
+
+    /// Number of the parts of loads.
+    pub(super) fn pressing(&self) -> usize {
+        let of_contacts = self.contacts.iter();
+        of_contacts.map(|contact| contact.load_laws.len()).sum()
+    }
+
+    /// The parts of the load of a contact that have laws of their own.
+    pub(crate) fn load_laws(&self, contact: usize) -> &[ElementData<'s>] {
+        &self.elements[self.contacts[contact].load_laws.clone()]
+    }
+
+    /// N of a contact at a time, negative if it is open.
+    pub(crate) fn load_at(
+        &self,
+        contact: usize,
+        time: f64,
+        q: impl Fn(usize) -> f64,
+        v: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let linear = self.contacts[contact].load_at(time, &q);
+        let laws = self.load_laws(contact).iter();
+        laws.fold(linear, |sum, law| sum + law.pressure(time, &q, &v))
     }
 
     /// The number of the first stop among the elements.

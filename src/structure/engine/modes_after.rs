@@ -199,11 +199,12 @@ pub(super) fn begin(
     series: &mut Series,
     c: usize,
 ) -> Result<(), Error> {
-    let contact = &model.contacts[c];
     let displacement = |j: usize| situation.coordinates[j].displacement;
+    let velocity = |j: usize| situation.velocity(model, series, j);
+    let load = || model.load_at(c, situation.clock.time, displacement, velocity);
     // One that slips in one direction only has no force without a load: it is open, and closes if
     // the load rises.
-    if contact.is_one_way() && contact.load_at(situation.clock.time, displacement) <= 0.0 {
+    if model.contacts[c].is_one_way() && load() <= 0.0 {
         return Ok(());
     }
     close(model, situation, series, c)
@@ -305,7 +306,8 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
 }
 
 /// Opens contacts whose load is below 0, or 0 and falling, before the decision of the others: they
-/// hold nothing. Value and rate of a load do not depend on modes.
+/// hold nothing. The value of a load does not depend on modes, nor does its rate unless it depends
+/// on velocities; then all series decide.
 fn open_unloaded(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -317,14 +319,25 @@ fn open_unloaded(
         if !series.contacts[c].load_varies {
             continue;
         }
-        let value = contact.displacement_load(|j| situation.coordinates[j].displacement);
-        let rate = contact.displacement_load(|j| situation.velocity(model, series, j));
-        let rounding = EDGE_ROUNDING * f64::EPSILON * load_terms(contact, situation);
+        let displacement = |j: usize| situation.coordinates[j].displacement;
+        let velocity = |j: usize| situation.velocity(model, series, j);
+        let mut value = contact.displacement_load(displacement);
+        let mut rate = contact.displacement_load(velocity);
+        for law in model.load_laws(c) {
+            let factor = law.factor.value(situation.clock.time);
+            value += factor * law.forces(displacement, velocity, None)[0];
+            rate += law.rate_by_positions(factor, displacement, velocity);
+        }
+        let rounding = EDGE_ROUNDING * f64::EPSILON * load_terms(model, situation, series, c);
         let of = &mut series.contacts[c];
         of.load = of.drive_load;
         of.load[0] += value * contact.compliance;
-        of.load[1] += rate * contact.compliance;
-        let falls = of.load[0] <= rounding && of.load[1] < 0.0;
+        let falls = if rate.is_nan() {
+            false
+        } else {
+            of.load[1] += rate * contact.compliance;
+            of.load[0] <= rounding && of.load[1] < 0.0
+        };
         if (falls || of.load[0] < -rounding)
             && revise_load(model, situation, series, c)?
             && let Some(decision) = decision
@@ -344,7 +357,7 @@ fn revise_load(
     c: usize,
 ) -> Result<bool, Error> {
     let of = &series.contacts[c];
-    let terms = load_terms(&model.contacts[c], situation);
+    let terms = load_terms(model, situation, series, c);
     let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let state = &mut situation.contacts[c];
     let is_on_edge = state.load_edge != Edge::Away || of.load[0].abs() <= rounding;
@@ -364,7 +377,7 @@ fn revise_load(
         }
         (Mode::Stick | Mode::Slip(_), true) => {
             let contact = &model.contacts[c];
-            if !contact.load_gradient.is_empty() && contact.normal.is_empty() {
+            if !contact.may_open() {
                 let reached = situation.reached(model, series);
                 return Err(Error::Separation {
                     contact: c,
@@ -437,7 +450,7 @@ fn revise_stick(
         return false;
     }
     let force = model.acceleration_by(i, |j| model.forces[j].size()).abs();
-    let load_terms = load_terms(contact, situation);
+    let load_terms = load_terms(model, situation, series, c);
     let terms = terms(model, situation, series, i) + force;
     let state = &mut situation.contacts[c];
     // The terms of the load are the scale, not the load itself, which may have just risen from 0.

@@ -50,6 +50,8 @@ pub(super) struct Plan {
     pub(super) states: Vec<Allowance>,
     /// The size of the terms of the equation of each contact's relative velocity.
     pub(super) sizes: Vec<f64>,
+    /// The size of the terms of each contact's load, if any has a law of its own.
+    pub(super) loads: Vec<f64>,
     /// Rate at which a perturbation of each velocity decays.
     closings: Vec<f64>,
     /// Scale of each velocity, and the size of the terms of its equation.
@@ -136,6 +138,13 @@ pub(super) fn plan_reach(
     let n = model.len();
     plan.tolerance = tolerance;
     closings(model, situation, series, &mut plan.closings);
+    plan.loads.clear();
+    if model.pressing() > 0 {
+        plan.loads.extend(
+            (0..model.contacts.len())
+                .map(|c| load_terms(model, situation, series, c) / model.contacts[c].compliance),
+        );
+    }
     let scales = &mut plan.scales;
     scales.clear();
     scales.extend((0..n).map(|i| (0.0, terms(model, situation, series, i))));
@@ -264,7 +273,7 @@ fn plan_within(
                 farthest = farthest.min(reaches.of(error, &of.speeds, TERMS - 2));
             }
             if of.load_varies {
-                let error = tolerance * load_terms(contact, situation);
+                let error = tolerance * load_terms(model, situation, series, c);
                 farthest = farthest.min(reaches.of(error, &of.load, TERMS - 1));
             }
             plan.contacts.push(Allowance::new(0.0, 0.0));
@@ -278,7 +287,7 @@ fn plan_within(
         };
         if state.sticks() && of.load_varies {
             // The present stick band is not used as the scale, because it may have just opened.
-            size = size.max(load_terms(contact, situation) * state.static_coefficient());
+            size = size.max(load_terms(model, situation, series, c) * state.static_coefficient());
         }
         let allowance = match owner {
             Some(i) => plan.coordinates[i],
@@ -306,7 +315,7 @@ fn plan_within(
             }
         }
         if of.load_varies {
-            let error = tolerance * load_terms(contact, situation);
+            let error = tolerance * load_terms(model, situation, series, c);
             farthest = farthest.min(reaches.of(error, &of.load, TERMS - 2));
         }
         for (series, memory) in std::iter::zip(&of.memories, &state.memory) {
@@ -450,7 +459,7 @@ fn time_unit(
             Phase::Stick { .. } => situation.contacts[c].static_coefficient(),
         };
         for &(j, x) in contact.responses() {
-            sizes[j] += x.abs() * load_terms(contact, situation) * coefficient;
+            sizes[j] += x.abs() * load_terms(model, situation, series, c) * coefficient;
         }
     }
     let changing = sizes.iter().enumerate().flat_map(|(i, size)| {

@@ -165,7 +165,7 @@ impl Series {
     /// friction in slip.
     pub(super) fn friction_order(&mut self, model: &Model<'_>, c: usize, k: usize) {
         let (contact, of) = (&model.contacts[c], &mut self.contacts[c]);
-        of.load_order(contact, &self.coordinates, k);
+        of.load_order(contact, &self.coordinates, &self.elements, k);
         match of.mode {
             StepMode::Open => {}
             StepMode::Stick => of.stick_order(contact, k),

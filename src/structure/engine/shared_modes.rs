@@ -175,7 +175,7 @@ impl Decision {
                 continue;
             }
             let root = contact.compliance.sqrt();
-            let load_terms = load_terms(contact, situation) * state.static_coefficient();
+            let load_terms = load_terms(model, situation, series, c) * state.static_coefficient();
             let forces =
                 contact.size_along(|j| model.acceleration_by(j, |l| model.forces[l].size()).abs());
             let kinetic = [Direction::Lagging, Direction::Leading].map(|side| {

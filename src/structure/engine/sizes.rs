@@ -1,6 +1,5 @@
 //! The sizes of the terms of the equations of motion: rounding errors are in proportion to them.
 
-use super::contact::ContactData;
 use super::model::Model;
 use super::series::Series;
 use super::state::{Phase, Situation};
@@ -45,8 +44,19 @@ pub(super) fn contact_terms(
 }
 
 /// Sum of the sizes of all terms of the load of a contact.
-pub(super) fn load_terms(contact: &ContactData<'_>, situation: &Situation) -> f64 {
-    let size = contact.load_size(|j| situation.coordinates[j].displacement);
+pub(super) fn load_terms(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    c: usize,
+) -> f64 {
+    let contact = &model.contacts[c];
+    let linear = contact.load_size(|j| situation.coordinates[j].displacement);
+    let laws = std::iter::zip(
+        model.load_laws(c),
+        &series.elements[contact.load_laws.clone()],
+    );
+    let size = laws.fold(linear, |sum, (law, of)| sum + of.size(law, 0));
     size * contact.compliance
 }
 

@@ -17,7 +17,7 @@ use super::contact::ContactData;
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::CoordinateSeries;
 use super::edge::{EDGE_ROUNDING, Edge, deciding, side_of};
-use super::elements::element_order;
+use super::elements::{element_order, push};
 use super::factor::ROUNDING;
 use super::first_orders::first_order_order;
 use super::model::Model;
@@ -33,6 +33,7 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
     for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
         series.coordinates[j].force[k] = given[k];
     }
+    element_order(model, series, k);
     for &c in &model.springs {
         let (contact, of) = (&model.contacts[c], &mut series.contacts[c]);
         match contact.tangential_stiffness {
@@ -42,7 +43,7 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
                     series.coordinates[j].force[k] -= x * of.carried[k];
                 }
             }
-            None => of.load_order(contact, &series.coordinates, k),
+            None => of.load_order(contact, &series.coordinates, &series.elements, k),
         }
         if of.mode != StepMode::Open {
             for &(j, y) in &contact.reaction {
@@ -50,7 +51,7 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
             }
         }
     }
-    element_order(model, series, k);
+    push(model, series, k);
     first_order_order(model, series, k);
     if k == 0 {
         note_sizes(model, series);
@@ -103,11 +104,11 @@ impl ContactSeries {
         k: usize,
     ) {
         if k == 0 {
-            self.load_order(contact, coordinates, 0);
+            self.load_order(contact, coordinates, &[], 0);
             self.set_bounds(0, self.load[0] * self.limits[0]);
             self.friction[0] = self.limits[0];
         }
-        self.load_order(contact, coordinates, k + 1);
+        self.load_order(contact, coordinates, &[], k + 1);
         let bound = if self.load_varies {
             self.load[k + 1] * self.limits[0]
         } else {
@@ -309,7 +310,7 @@ pub(super) fn revise_elastic(
 fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) {
     let of = &series.contacts[c];
     let (bound, carried) = (of.bounds[0][0], of.carried[0]);
-    let size = load_terms(&model.contacts[c], situation) * of.limits[0];
+    let size = load_terms(model, situation, series, c) * of.limits[0];
     let rounding = EDGE_ROUNDING * f64::EPSILON * (size + carried.abs());
     let state = &mut situation.contacts[c];
     if state.edge != Edge::Away {
@@ -372,7 +373,7 @@ pub(super) fn cut(model: &Model<'_>, situation: &mut Situation, series: &Series)
         }
         let carried = state.memory[0];
         let most = force_at_limit(model, situation, series, c, Direction::Leading).max(0.0);
-        let size = load_terms(contact, situation) + carried.abs();
+        let size = load_terms(model, situation, series, c) + carried.abs();
         if carried.abs() > most + EDGE_ROUNDING * f64::EPSILON * size {
             let state = &mut situation.contacts[c];
             state.memory[0] = carried.signum() * most;
