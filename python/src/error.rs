@@ -318,7 +318,10 @@ fn not_sliding(reason: &NotSliding, to: &Bound<'_, PyDict>) -> PyResult<()> {
             limit,
         } => fields!(to: contact, force, limit),
         NotSliding::NotFound { residual, load } => fields!(to: residual, load),
-        NotSliding::AtBreakpoint { element, position } => fields!(to: element, position),
+        NotSliding::AtBreakpoint { element, position } => {
+            let element = element.to_string();
+            fields!(to: element, position)
+        }
         NotSliding::LoadAtBreakpoint { contact, position } => fields!(to: contact, position),
         _ => {}
     }
