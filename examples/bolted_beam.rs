@@ -17,7 +17,7 @@
 //!   simulations reach it;
 //! * the folds are computed to round-off, not read from a curve.
 //!
-//! Run it with `cargo run --release -p stick-slip-examples --example bolted_beam`; it takes a
+//! Run it with `cargo run --release -p stick-slip-examples --example bolted_beam`; it takes half a
 //! minute. With a file name after `--`, it writes the curves of three forces to this file instead,
 //! which takes some minutes. The package `examples/figures` draws such a file,
 //! `examples/figures/bolted_beam.csv`.

@@ -81,6 +81,7 @@ use edge::{Edge, side_of};
 use elements::singular_force;
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
+use factor::ROUNDING;
 use limits::larger_finite;
 use mechanisms::Mechanism;
 use model::Model;
@@ -518,8 +519,15 @@ impl<'s> Engine<'s> {
 }
 
 /// The shared contacts that came to rest or to a bound of their bands at the end of a step of
-/// length h, of which these are the series.
+/// length h, of which these are the series. A contact that others held at rest in the step did not
+/// come to rest.
 fn triggers(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -> Vec<Trigger> {
+    let has_moved = |c: usize| {
+        let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+        let velocity = |j: usize| series.coordinates[j].motion.velocity(0);
+        let size = contact.size_along(velocity) + of.surface[0].abs();
+        of.speeds.at(0.5 * h).abs() > ROUNDING * size
+    };
     let trigger = |&c: &usize| {
         let state = &situation.contacts[c];
         match state.edge {
@@ -528,7 +536,7 @@ fn triggers(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -
                 let rate = -distance.derivative().at(h);
                 Some(Trigger::Bound(vec![(c, side.sign())], rate))
             }
-            _ => state.has_arrived().then_some(Trigger::Rest(c)),
+            _ => (state.has_arrived() && has_moved(c)).then_some(Trigger::Rest(c)),
         }
     };
     let of_mechanism = |mechanism: &Mechanism| {
