@@ -93,10 +93,8 @@ const COARSE: f64 = 1e-5;
 pub(super) const FINE: f64 = 1e-13;
 
 /// If a Newton step is smaller than this part of the step before, convergence is quadratic, and the
-/// next step would be rounding. So is the step after one below this size, for a motion that
-/// magnifies nothing: the derivative by the parameter is known to [`COARSE`].
+/// next step would be rounding.
 const FAST: f64 = 1e-3;
-const QUADRATIC: f64 = FINE / COARSE;
 
 /// Curvature of a residual over an increment of the parameter, as a part of its change, up to which
 /// a central difference has errors of its square only.
@@ -391,8 +389,7 @@ impl Curve<'_> {
             };
             let size = self.largest(&change, plane.scale, &trial);
             let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
-            let is_quadratic = size <= (10.0 * FINE).min(FAST * before);
-            let is_last = steps > 0 && (is_quadratic || before <= QUADRATIC / growth);
+            let is_last = steps > 0 && size <= (10.0 * FINE).min(FAST * before);
             let is_rounding = is_last || size >= 0.5 * before;
             if size <= FINE || (closed && is_rounding) {
                 let slope = slope.clone();

@@ -339,8 +339,8 @@ fn agree(
             Ok(found) => found,
             Err(Error::Separation { .. } | Error::OverLimit { .. }) => continue,
             // A load that grows with the speed it causes runs away.
-            Err(Error::StepUnderflow { reached, .. })
-                if reached.state.velocities.iter().any(|v| v.abs() > 1e6) =>
+            Err(Error::StepUnderflow { reached, .. } | Error::TooManySteps { reached, .. })
+                if reached.state.velocities.iter().any(|v| v.abs() > 1e4) =>
             {
                 continue;
             }
