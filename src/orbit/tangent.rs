@@ -21,7 +21,9 @@ use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::lanes::{Equations, LONG};
 use super::linear::Linear;
+use super::settling::{Settling, stiffest};
 use crate::error::{Error, Reached};
+use crate::motion::step_control::SETTLING;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
@@ -180,8 +182,10 @@ fn advance<const W: usize>(
 ) -> Result<(), Error> {
     /// Numbers in a line of the cache.
     const LINE: usize = 8;
-    /// The shortest part of a step.
+    /// The shortest part of a step, unless velocities of stiff contacts settle in it.
     const SHORTEST: f64 = 1e-9;
+    /// Length of an explicit step in units of 1/D, about.
+    const STABLE: f64 = 10.0;
     let h = step.duration();
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
@@ -202,7 +206,23 @@ fn advance<const W: usize>(
     loop {
         let equations = Equations::new(form, &linear, terms);
         equations.expand(rows);
-        let part = equations.reach(rows, left);
+        let mut part = equations.reach(rows, left);
+        let stiffest = stiffest(&form.model, &linear);
+        let limited = if part.is_nan() {
+            STABLE / stiffest
+        } else {
+            part
+        };
+        if limited < left && stiffest * limited > SETTLING {
+            let equations = Equations::new(form, &linear, LONG);
+            let settling = Settling::within(&form.model, &linear, limited);
+            let slow = settling.and_then(|settling| settling.expand(&equations, rows, left));
+            match slow {
+                Some(reach) => (part, terms) = (reach, LONG),
+                None => Equations::new(form, &linear, terms).expand(rows),
+            }
+        }
+        let equations = Equations::new(form, &linear, terms);
         if part.is_nan() {
             columns.iter_mut().for_each(|column| column.fill(f64::NAN));
             return Ok(());
@@ -222,7 +242,7 @@ fn advance<const W: usize>(
         left -= part;
         terms = equations.terms_for(left, part);
         let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
-        if part < SHORTEST * h {
+        if part < SHORTEST * h && stiffest * part < SETTLING {
             return Err(form.too_many(reached()));
         }
         form.count(&reached)?;

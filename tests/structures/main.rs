@@ -37,6 +37,7 @@ mod restarts;
 mod steady;
 mod steady_at;
 mod stiff_memory;
+mod stiff_speed;
 mod ties;
 mod trajectories;
 mod two_engines;

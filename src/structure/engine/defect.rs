@@ -6,7 +6,7 @@ use super::contact_series::ContactSeries;
 use super::element::ElementData;
 use super::element_series::ElementSeries;
 use super::model::Model;
-use super::plan::Plan;
+use super::plan::{Plan, memory_scale};
 use super::series::Series;
 use super::slow::relaxation;
 use super::state::{ContactState, Phase, Situation};
@@ -65,9 +65,10 @@ pub(super) fn is_accepted(
         let scale = at_contacts[owner].largest_bound().max(plan.sizes[owner]);
         Some(Allowance::new(plan.tolerance * scale, scale))
     };
+    let lasting = |j: usize| plan.lasting(j, h);
     contacts
         && std::iter::zip(&model.elements, elements)
-            .all(|(element, of)| force_is_accepted((element, of), plan, &held, checks))
+            .all(|(element, of)| force_is_accepted((element, of), plan, (&held, &lasting), checks))
 }
 
 /// Returns true if the series of all functions of users, as drives, are those of the functions over
@@ -88,7 +89,7 @@ pub(super) fn functions_are_accepted(
 fn force_is_accepted(
     (element, of): (&ElementData<'_>, &mut ElementSeries),
     plan: &Plan,
-    held: &dyn Fn(usize) -> Option<Allowance>,
+    (held, lasting): (&dyn Fn(usize) -> Option<Allowance>, &dyn Fn(usize) -> f64),
     checks: Checks,
 ) -> bool {
     /// The sums of defects of an element.
@@ -125,7 +126,7 @@ fn force_is_accepted(
         }
         match held(j) {
             Some(allowance) => allowance.accepts(defects, 1.0),
-            None => plan.coordinates[j].accepts(defects, checks.h),
+            None => plan.coordinates[j].accepts(defects, lasting(j)),
         }
     })
 }
@@ -210,7 +211,12 @@ impl ContactStep<'_> {
             at_minima += self.defects(slip, &[times], values)[0];
         });
         self.allowance
-            .accepts([at_quarters, at_minima, between], self.h)
+            .accepts([at_quarters, at_minima, between], self.lasting(self.h))
+    }
+
+    /// How much of a time a defect has an effect on the sliding speed: 1/D on a slow manifold.
+    fn lasting(&self, time: f64) -> f64 {
+        time.min(self.series.settling.recip())
     }
 
     /// Of each group of four times the largest |μ(s(t)) − μ(t)|, where s(t) is the sliding speed,
@@ -360,7 +366,8 @@ impl ContactStep<'_> {
             let memory = &|j: usize| self.series.memories[j].at(times[i]);
             let value = self.contact.law.coefficient(slip, memory) * slip.direction;
             let missing = (loads[i] * (value - friction[i])).abs();
-            self.allowance.accepts([missing; 3], lasting[i])
+            self.allowance
+                .accepts([missing; 3], self.lasting(lasting[i]))
         })
     }
 
@@ -386,6 +393,7 @@ impl ContactStep<'_> {
             });
             let [value, at_slowest] = [here, there].map(|slip| law.coefficient(slip, memory));
             let all = load * (value - at_slowest);
+            let lasting = self.lasting(lasting);
             counts |= !self.allowance.accepts([all.abs(); 3], lasting);
         }
         counts
@@ -415,6 +423,6 @@ impl ContactStep<'_> {
     /// The size by which errors of a variable of the memory are measured.
     fn memory_scale(&self, j: usize) -> f64 {
         let series = &self.series.memories[j];
-        series[0].abs().max(series[1].abs() * self.h)
+        memory_scale(series[0], series, self.h)
     }
 }
