@@ -8,6 +8,7 @@ use super::series::Series;
 use super::sizes::{load_terms, terms};
 use super::state::{ContactState, Phase, Situation};
 use super::stiff::Stiff;
+use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, FARTHEST, LOOSEST, STIFF, reach, root_of_ratio};
 use crate::series::{PowerSeries, TERMS};
 
@@ -196,12 +197,14 @@ pub(super) fn plan_reach(
         }
     }
     plan.unit = time_unit(model, situation, series, scales);
-    let rates = (0..model.contacts.len()).map(|c| settling(model, situation, series, c));
     plan.stiff.clear();
-    plan.stiff.extend(rates.map(|rate| {
-        let is_stiff = rate * plan.unit > STIFF && plan.unit.is_finite();
-        if is_stiff { rate } else { 0.0 }
-    }));
+    for c in 0..model.contacts.len() {
+        let rate = settling(model, situation, series, c);
+        let is_stiff = rate * plan.unit > STIFF
+            && plan.unit.is_finite()
+            && rate * rate > 4.0 * stiffness_of_memory(model, situation, series, c);
+        plan.stiff.push(if is_stiff { rate } else { 0.0 });
+    }
     if series.contacts.iter().all(|of| of.settling == 0.0) {
         plan.slaved.clear();
     } else {
@@ -448,6 +451,52 @@ pub(super) fn settling(model: &Model<'_>, situation: &Situation, series: &Series
         }
         _ => 0.0,
     }
+}
+
+/// N G Σ_j ∂μ/∂z_j ∂z_j'/∂s of a contact that slips: as a spring, its memory carries forces by which
+/// the sliding speed vibrates, unless it settles faster.
+fn stiffness_of_memory(model: &Model<'_>, situation: &Situation, series: &Series, c: usize) -> f64 {
+    /// Increments relative to the speed and to the memory: differences have half the digits.
+    const PART: f64 = 1.0 / (1 << 26) as f64;
+    let (law, state, of) = (
+        model.contacts[c].law,
+        &situation.contacts[c],
+        &series.contacts[c],
+    );
+    let Some(slip) = state.slip(state.speed()).filter(|slip| slip.speed > 0.0) else {
+        return 0.0;
+    };
+    let faster = Slip {
+        speed: slip.speed * (1.0 + PART),
+        ..slip
+    };
+    let load = of.load[0] / model.contacts[c].compliance;
+    let mut by_speed = vec![0.0; state.memory.len()];
+    for (slip, sign) in [(faster, 1.0), (slip, -1.0)] {
+        law.rates(
+            Motion::Slip(slip),
+            load,
+            &|j| state.memory[j],
+            &mut |j, rate| {
+                by_speed[j] += sign * rate / (PART * slip.speed);
+            },
+        );
+    }
+    let by_memory = |j: usize| {
+        let step = PART * state.memory[j].abs().max(PART);
+        let there = |l: usize| state.memory[l] + if l == j { step } else { 0.0 };
+        let moved = law.coefficient(slip, &there) - law.coefficient(slip, &|l| state.memory[l]);
+        moved / step
+    };
+    let forces = by_speed.iter().enumerate();
+    let forces = forces.map(|(j, rate)| {
+        if *rate == 0.0 {
+            0.0
+        } else {
+            rate * by_memory(j)
+        }
+    });
+    (of.load[0] * forces.sum::<f64>()).abs()
 }
 
 /// The length of a step in which only the memory of contacts changes: until it has changed by its
