@@ -203,7 +203,7 @@ fn a_stop_out_of_reach_changes_nothing() {
             continue;
         }
         let without = plain.structure();
-        let far = stop(Stop::above(0, 1e3, 0.0), 50.0, 2.0);
+        let far = stop(Stop::above(0, 1e9, 0.0), 50.0, 2.0);
         let with = without.clone().with_stop(far).unwrap();
         let [one, other] = [without, with].map(|structure| {
             let flow = Integrator::new().flow(&structure, start.clone()).unwrap();
@@ -407,7 +407,7 @@ fn stops_beside_elastic_contacts() {
     };
     let (_, without) = make(&|s| s);
     assert!(without.events().len() > 10);
-    let far = stop(Stop::above(0, 1e3, 0.0), 50.0, 2.0);
+    let far = stop(Stop::above(0, 1e9, 0.0), 50.0, 2.0);
     let (_, with) = make(&|s| s.with_stop(far.clone()).unwrap());
     assert_eq!(keys(&without), keys(&with));
     for (a, b) in without.events().iter().zip(with.events()) {

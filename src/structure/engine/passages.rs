@@ -32,6 +32,7 @@ impl ElementState {
     /// exactly there, and on a border of a stop if it is there to rounding.
     pub(super) fn at(
         element: &ElementData<'_>,
+        time: f64,
         q: impl Fn(usize) -> f64,
         v: impl Fn(usize) -> f64,
     ) -> Self {
@@ -41,7 +42,7 @@ impl ElementState {
             Some(stop) => {
                 let direction = &element.directions[0];
                 let sizes = [sum_of_sizes(direction, q), sum_of_sizes(direction, v)];
-                border_at(stop, [positions[0], velocities[0]], sizes)
+                border_at(stop, time, [positions[0], velocities[0]], sizes)
             }
         };
         let piece = match on {
@@ -117,10 +118,10 @@ impl ElementState {
 }
 
 /// The border of a stop on which a position and a velocity are, to the rounding of sums with terms
-/// of these sizes.
-fn border_at(stop: &StopLaw, [x, y]: [f64; 2], [size, fast]: [f64; 2]) -> Option<usize> {
+/// of these sizes. The time is known to its rounding error, too, in which the position changes.
+fn border_at(stop: &StopLaw, time: f64, [x, y]: [f64; 2], [size, fast]: [f64; 2]) -> Option<usize> {
     let depth = x - stop.gap;
-    let rounding = ROUNDING * (size + stop.gap.abs());
+    let rounding = ROUNDING * (size + stop.gap.abs()) + f64::EPSILON * (y * time).abs();
     if depth.abs() <= rounding {
         return Some(0);
     }

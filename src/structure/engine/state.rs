@@ -158,7 +158,7 @@ impl Situation {
         let elements = model.elements.iter().map(|element| {
             // The velocity of a first-order state counts as 0.
             let velocity = |j: usize| start.velocities.get(j).copied().unwrap_or(0.0);
-            ElementState::at(element, |j| model.position(start, j), velocity)
+            ElementState::at(element, clock.time, |j| model.position(start, j), velocity)
         });
         let states = 0..model.first_order.len();
         let states = states.map(|state| model.position(start, model.len() + state));
