@@ -10,7 +10,8 @@ use stick_slip::Error;
 use stick_slip::bifurcation::DiagramPoint;
 use stick_slip::limit_cycle::Attractor;
 
-use crate::belt::{Answer, Belt, BeltArgument, Border, Equilibrium, Question, Silencing};
+use crate::any_belt::{Answer, Belt, Border, Question, Silencing};
+use crate::belt::{BeltArgument, Equilibrium};
 use crate::convert::{BeltStart, ComplexNumbers, Numbers, short};
 use crate::error::OrRaise;
 use crate::motion::{AnyMotion, PyMotion, criticality_name, entry, iterator};

@@ -1,4 +1,4 @@
-//! Families of systems: functions of Python that return a system.
+//! Any system, and families of systems: functions of Python that return one.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -7,10 +7,29 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use stick_slip::{Error, Structure, structure};
 
+use crate::belt::BeltArgument;
 use crate::convert::{Numbers, Start};
 use crate::error::raised;
-use crate::structure::AnySystem;
+use crate::structure::PyStructure;
 use crate::waiting::Waiting;
+
+/// Any system, as the searches for periodic motions take it: a `Structure` or a mass on a belt.
+#[derive(FromPyObject)]
+pub enum AnySystem<'py> {
+    #[pyo3(transparent)]
+    Structure(Bound<'py, PyStructure>),
+    #[pyo3(transparent)]
+    Belt(BeltArgument<'py>),
+}
+
+impl AnySystem<'_> {
+    pub fn structure(&self) -> Result<Structure, Error> {
+        match self {
+            Self::Structure(structure) => Ok((*structure.get().0).clone()),
+            Self::Belt(belt) => belt.system().structure(),
+        }
+    }
+}
 
 /// A family of systems in Python. Each system is kept by the bits of its parameters, because
 /// searches ask for some again when they are over.

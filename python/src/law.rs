@@ -8,7 +8,7 @@ use stick_slip::{
     MassOnBelt, Physical, PhysicalMassOnBelt, Polynomial, Rational, Stribeck, Tabulated,
 };
 
-use crate::belt::Belt;
+use crate::any_belt::Belt;
 use crate::convert::{Points, elementwise, float};
 use crate::error::OrRaise;
 use crate::traced::{Traced, pieces_of};

@@ -4,6 +4,7 @@
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
 
 mod analysis;
+mod any_belt;
 mod belt;
 mod convert;
 mod cycle;

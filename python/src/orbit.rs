@@ -14,13 +14,12 @@ use stick_slip::{Element, EventKind, Search, Structure};
 use crate::belt::BeltArgument;
 use crate::convert::{ComplexNumbers, Index, Numbers, Start, Table, short};
 use crate::error::OrRaise;
-use crate::family::Family;
+use crate::family::{AnySystem, Family};
 use crate::motion::{
     AnyMotion, EnergyBudget, Happening, PyMotion, contact_of, criticality_name, entry,
     events_array, iterator, kind_name,
 };
 use crate::record::record;
-use crate::structure::AnySystem;
 use crate::waiting::{Options, Waiting, search, work};
 
 type RustOrbit = orbit::Orbit<State>;

@@ -6,7 +6,6 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stick_slip::{Error, ForceElement, ForceLaw, Integrator, Structure, structure};
 
-use crate::belt::BeltArgument;
 use crate::convert::{
     ComplexNumbers, Direction, Index, Matrix, Numbers, Points, Start, Table, float,
 };
@@ -18,24 +17,6 @@ use crate::record::record;
 use crate::simulate::Settings;
 use crate::traced::{TracedForce, pieces_of};
 use crate::waiting::Waiting;
-
-/// Any system, as the searches for periodic motions take it: a `Structure` or a mass on a belt.
-#[derive(FromPyObject)]
-pub enum AnySystem<'py> {
-    #[pyo3(transparent)]
-    Structure(Bound<'py, PyStructure>),
-    #[pyo3(transparent)]
-    Belt(BeltArgument<'py>),
-}
-
-impl AnySystem<'_> {
-    pub fn structure(&self) -> Result<Structure, Error> {
-        match self {
-            Self::Structure(structure) => Ok((*structure.get().0).clone()),
-            Self::Belt(belt) => belt.system().structure(),
-        }
-    }
-}
 
 fn direction_text(direction: &[(usize, f64)]) -> String {
     let terms = direction.iter().map(|(i, b)| format!("{i}: {}", float(*b)));
