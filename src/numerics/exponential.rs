@@ -1,6 +1,6 @@
 //! The exponential of a matrix.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::eigenvalues::balance;
 use crate::scalar::fused;
@@ -11,51 +11,62 @@ const LANES: usize = 8;
 /// Columns that are computed together.
 const COLUMNS: usize = 4;
 
-/// e^A: the Taylor polynomial of A/2^s, squared s times, in units in which A is balanced.
-///
-/// Only products are used, so zeros are kept: where a row of A is zero, that of e^A is the row of
-/// the identity. Numbers that are not finite give NaN or infinity.
+/// A matrix A in units in which it is balanced, for e^A: the Taylor polynomial of A/2^s, squared s
+/// times.
 ///
 /// Source: A. H. Al-Mohy, N. J. Higham, *SIAM J. Sci. Comput.* 33 (2011) 488-511; the order of
 /// products is that of M. S. Paterson, L. J. Stockmeyer, *SIAM J. Comput.* 2 (1973) 60-66.
-pub(crate) fn exponential(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
-    let order = matrix.nrows();
-    if order == 0 {
-        return matrix;
-    }
-    let units = balance(&mut matrix);
-    let squarings = squarings(norm(&matrix));
-    let filled = order.next_multiple_of(LANES);
-    let mut scaled = DMatrix::zeros(filled, filled);
-    for (column, mut part) in std::iter::zip(matrix.column_iter(), scaled.column_iter_mut()) {
-        part.rows_mut(0, order)
-            .axpy((-squarings).exp2(), &column, 0.0);
-    }
-    let mut power = taylor(&scaled);
-    for _ in 0..squarings as usize {
-        power = product(&power, &power);
-    }
-    DMatrix::from_fn(order, order, |i, j| power[(i, j)] * (units[i] / units[j]))
+pub(crate) struct Exponent {
+    balanced: DMatrix<f64>,
+    units: DVector<f64>,
+    /// The largest sum of the sizes of the entries of a column.
+    pub(crate) norm: f64,
 }
 
-/// The number of products of matrices that [`exponential`] takes for a matrix of this norm.
-pub(crate) fn products(norm: f64) -> f64 {
-    2.0 * (POWERS - 1) as f64 + squarings(norm)
-}
+impl Exponent {
+    pub(crate) fn new(mut matrix: DMatrix<f64>) -> Self {
+        let units = balance(&mut matrix);
+        let columns = matrix.column_iter();
+        let sums = columns.map(|column| column.iter().map(|x| x.abs()).sum::<f64>());
+        Self {
+            norm: sums.fold(0.0, f64::max),
+            balanced: matrix,
+            units,
+        }
+    }
 
-/// The largest sum of the sizes of the entries of a column.
-pub(crate) fn norm(matrix: &DMatrix<f64>) -> f64 {
-    let columns = matrix.column_iter();
-    let sums = columns.map(|column| column.iter().map(|x| x.abs()).sum::<f64>());
-    sums.fold(0.0, f64::max)
-}
+    fn squarings(&self) -> f64 {
+        /// Up to this norm the remainder of the polynomial is below rounding errors.
+        const LARGEST: f64 = 2.2;
+        /// More squarings overflow.
+        const MOST: f64 = 1100.0;
+        (self.norm / LARGEST).log2().ceil().clamp(0.0, MOST)
+    }
 
-fn squarings(norm: f64) -> f64 {
-    /// Up to this norm the remainder of the polynomial is below rounding errors.
-    const LARGEST: f64 = 2.2;
-    /// More squarings overflow.
-    const MOST: f64 = 1100.0;
-    (norm / LARGEST).log2().ceil().clamp(0.0, MOST)
+    /// The number of products of matrices that [`exponential`](Self::exponential) takes.
+    pub(crate) fn products(&self) -> f64 {
+        2.0 * (POWERS - 1) as f64 + self.squarings()
+    }
+
+    /// e^A. Only products are used, so zeros are kept: where a row of A is zero, that of e^A is the
+    /// row of the identity. Numbers that are not finite give NaN or infinity.
+    pub(crate) fn exponential(&self) -> DMatrix<f64> {
+        let order = self.balanced.nrows();
+        let squarings = self.squarings();
+        let filled = order.next_multiple_of(LANES);
+        let mut scaled = DMatrix::zeros(filled, filled);
+        let columns = std::iter::zip(self.balanced.column_iter(), scaled.column_iter_mut());
+        for (column, mut part) in columns {
+            part.rows_mut(0, order)
+                .axpy((-squarings).exp2(), &column, 0.0);
+        }
+        let mut power = taylor(&scaled);
+        for _ in 0..squarings as usize {
+            power = product(&power, &power);
+        }
+        let units = &self.units;
+        DMatrix::from_fn(order, order, |i, j| power[(i, j)] * (units[i] / units[j]))
+    }
 }
 
 /// Number of powers, from that of exponent 0, of which blocks of the polynomial consist, and number
@@ -88,6 +99,9 @@ fn taylor(a: &DMatrix<f64>) -> DMatrix<f64> {
 /// The product of square matrices of an order that is a multiple of [`LANES`].
 fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let mut c = DMatrix::zeros(a.nrows(), a.nrows());
+    if c.is_empty() {
+        return c;
+    }
     fused::compute(
         &(a.as_slice(), b.as_slice(), a.nrows()),
         &mut c.as_mut_slice(),
@@ -127,6 +141,10 @@ fn multiply<const CHOSEN: bool>((a, b, order): (&[f64], &[f64], usize), c: &mut 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn exponential(matrix: DMatrix<f64>) -> DMatrix<f64> {
+        Exponent::new(matrix).exponential()
+    }
 
     /// Of an oscillator with displacement, velocity, and a memory that nothing depends on.
     fn oscillator(omega: f64, time: f64) -> [DMatrix<f64>; 2] {
@@ -199,6 +217,16 @@ mod tests {
             let expected = &matrix * scale * plus;
             assert!((&slope - &expected).norm() < 1e-10 * expected.norm());
         }
+    }
+
+    #[test]
+    fn the_norm_does_not_depend_on_units() {
+        let norm = |omega: f64| Exponent::new(oscillator(omega, 3.0 / omega)[0].clone()).norm;
+        assert!(
+            [1e-9, 1e-3, 1e4, 1e9]
+                .iter()
+                .all(|&omega| norm(omega) < 2.0 * norm(1.0))
+        );
     }
 
     #[test]

@@ -38,23 +38,12 @@ impl ElementDerivatives {
         Self((0..2 * element.directions.len()).map(by).collect())
     }
 
-    /// D F of element number `e`, of one direction, such as a part of a load.
-    pub(super) fn force(model: &Model<'_>, e: usize, step: &Step) -> PowerSeries {
+    /// D F_i of element number `e` along a step.
+    pub(super) fn forces(model: &Model<'_>, e: usize, step: &Step) -> Vec<PowerSeries> {
         let element = &model.elements[e];
         let factor = element.factor.series(step.clock());
         let forces = element.law.series(Along::of(model, e, step).place());
-        product(&factor, &forces[0])
-    }
-
-    /// The rate of each D F_i of element number `e` at the end of a step.
-    pub(super) fn rates(model: &Model<'_>, e: usize, step: &Step) -> Vec<f64> {
-        let element = &model.elements[e];
-        let factor = element.factor.series(step.clock());
-        let forces = element.law.series(Along::of(model, e, step).place());
-        let rates = forces.iter();
-        rates
-            .map(|force| product(&factor, force).slope_at(step.duration()))
-            .collect()
+        forces.iter().map(|force| product(&factor, force)).collect()
     }
 
     pub(super) fn is_constant(&self) -> bool {

@@ -61,30 +61,6 @@ impl<'e> Equations<'e> {
         }
     }
 
-    /// The matrix A of the equations x' = A x at the start of the step.
-    pub(super) fn matrix(self) -> DMatrix<f64> {
-        const WIDTH: usize = 8;
-        let equations = Self { terms: 2, ..self };
-        let mut rows = vec![[[0.0; WIDTH]; LONG]; self.rows()];
-        let mut matrix = DMatrix::zeros(self.order, self.order);
-        for first in (0..self.order).step_by(WIDTH) {
-            for (i, row) in rows[..self.order].iter_mut().enumerate() {
-                row[0] = std::array::from_fn(|lane| f64::from(i == first + lane));
-            }
-            equations.expand(&mut rows);
-            for (lane, mut column) in matrix
-                .columns_mut(first, WIDTH.min(self.order - first))
-                .column_iter_mut()
-                .enumerate()
-            {
-                for (x, row) in std::iter::zip(column.iter_mut(), &rows) {
-                    *x = row[1][lane];
-                }
-            }
-        }
-        matrix
-    }
-
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
         let elements = self.linear.elements.iter();
@@ -139,11 +115,7 @@ impl<'e> Equations<'e> {
             if !states.is_empty() {
                 self.add_states::<W, FUSED>((q, v), states, k);
             }
-            for (contact, load) in std::iter::zip(&model.contacts, &mut *loads) {
-                if !contact.load_laws.is_empty() {
-                    load[k] = [0.0; W];
-                }
-            }
+            loads.iter_mut().for_each(|load| load[k] = [0.0; W]);
             let mut inputs = &mut *inputs;
             for (element, derivatives) in std::iter::zip(&model.elements, &linear.elements) {
                 let own;
@@ -164,12 +136,7 @@ impl<'e> Equations<'e> {
                     slip[k] = sum_of::<W, FUSED>([0.0; W], &contact.direction, v, k);
                 }
                 if joint.takes_load() {
-                    let laws = if contact.load_laws.is_empty() {
-                        [0.0; W]
-                    } else {
-                        load[k]
-                    };
-                    load[k] = sum_of::<W, FUSED>(laws, &contact.load_gradient, q, k);
+                    load[k] = sum_of::<W, FUSED>(load[k], &contact.load_gradient, q, k);
                 }
                 if joint.acts() {
                     let mut sum = [0.0; W];
@@ -346,6 +313,30 @@ impl<'e> Equations<'e> {
             reached.min(root_of_ratio(LAST_TERM, most, k))
         })
     }
+}
+
+/// The matrix A of the equations x' = A x, if their coefficients are constant.
+pub(super) fn matrix(form: &GeneralForm<'_>, linear: &Linear) -> DMatrix<f64> {
+    const WIDTH: usize = 8;
+    let equations = Equations {
+        terms: 2,
+        ..Equations::new(form, linear, SHORT)
+    };
+    let order = equations.order;
+    let mut rows = vec![[[0.0; WIDTH]; LONG]; equations.rows()];
+    let mut matrix = DMatrix::zeros(order, order);
+    for first in (0..order).step_by(WIDTH) {
+        for (i, row) in rows[..order].iter_mut().enumerate() {
+            row[0] = std::array::from_fn(|lane| f64::from(i == first + lane));
+        }
+        equations.expand(&mut rows);
+        for lane in 0..WIDTH.min(order - first) {
+            for (i, row) in rows[..order].iter().enumerate() {
+                matrix[(i, first + lane)] = row[1][lane];
+            }
+        }
+    }
+    matrix
 }
 
 /// Adds a·x.

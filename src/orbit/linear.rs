@@ -301,7 +301,10 @@ impl ContactAlong<'_> {
             }
         }
         for law in self.contact.load_laws.clone() {
-            load.add(1.0, &ElementDerivatives::force(self.model, law, self.step));
+            load.add(
+                1.0,
+                &ElementDerivatives::forces(self.model, law, self.step)[0],
+            );
         }
         load
     }
@@ -316,7 +319,7 @@ pub(super) fn load_at_end(model: &Model<'_>, c: usize, step: &Step) -> [f64; 2] 
         given.slope_at(h) + contact.displacement_load(|j| state.velocities[j]),
     ];
     for law in contact.load_laws.clone() {
-        let force = ElementDerivatives::force(model, law, step);
+        let force = ElementDerivatives::forces(model, law, step)[0];
         load[0] += force.at(h);
         load[1] += force.slope_at(h);
     }

@@ -5,11 +5,11 @@
 use nalgebra::DMatrix;
 
 use super::form::GeneralForm;
-use super::lanes::{Equations, LONG};
+use super::lanes::{LONG, matrix};
 use super::linear::Linear;
 use crate::error::Reached;
 use crate::motion::{Mode, Segment};
-use crate::numerics::exponential::{exponential, norm, products};
+use crate::numerics::exponential::Exponent;
 use crate::structure::Step;
 
 /// Steps along which x' = A x with constant A.
@@ -50,11 +50,12 @@ impl Phase {
     ) -> Option<DMatrix<f64>> {
         /// The norm of A t over which series reach.
         const REACH: f64 = 2.8;
-        let matrix = Equations::new(form, &self.linear, 0).matrix() * self.duration;
-        let (order, norm) = (matrix.nrows() as f64, norm(&matrix));
+        let matrix = matrix(form, &self.linear) * self.duration;
+        let order = matrix.nrows() as f64;
         let entries = matrix.iter().filter(|x| **x != 0.0).count();
-        let series = (norm / REACH).ceil() * (LONG * entries * perturbations) as f64;
-        (products(norm) * order.powi(3) < series).then(|| exponential(matrix))
+        let exponent = Exponent::new(matrix);
+        let series = (exponent.norm / REACH).ceil() * (LONG * entries * perturbations) as f64;
+        (exponent.products() * order.powi(3) < series).then(|| exponent.exponential())
     }
 }
 

@@ -164,9 +164,9 @@ impl TangentFlow<'_> {
             if response.iter().all(|x| *x == 0.0) {
                 return 0.0;
             }
-            let rates = ElementDerivatives::rates(model, e, step);
-            -std::iter::zip(response, rates)
-                .map(|(x, rate)| x * rate)
+            let forces = ElementDerivatives::forces(model, e, step);
+            -std::iter::zip(response, forces)
+                .map(|(x, force)| x * force.slope_at(h))
                 .sum::<f64>()
         });
         rates.sum::<f64>() + elements.sum::<f64>() + states.sum::<f64>()
