@@ -363,7 +363,7 @@ pub enum Error {
     /// A matrix or a start does not have the size of the structure.
     #[error("{name}: {found} given; {expected} are needed")]
     WrongSize {
-        /// What was counted, for example `rows of the stiffness matrix`.
+        /// Name of the things counted, for example `rows of the stiffness matrix`.
         name: &'static str,
         /// The number given.
         found: usize,

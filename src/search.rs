@@ -89,11 +89,11 @@ type Watcher<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// In a search along a parameter: the value of the parameter that is being tried, in its own
-    /// units. In a search on one system: the time that the motion has reached, in units of time.
+    /// Value of the parameter that is being tried, in its own units, in a search along a parameter.
+    /// Time that the motion has reached, in units of time, in a search on one system.
     pub value: f64,
-    /// In a search over two parameters ([`locus`](Search::locus)): the value of the second
-    /// parameter. Otherwise `None`.
+    /// Value of the second parameter in a search over two parameters ([`locus`](Search::locus));
+    /// otherwise `None`.
     pub second: Option<f64>,
     /// Number of motions found so far, not counting the first motion; 0 in a search on one system.
     /// In a search by [`Along`](crate::bifurcation::Along): number of systems searched so far.
@@ -171,7 +171,8 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// The same search, which also notes the value of the parameter at which its watcher stops it.
+    /// Returns this search, which also notes the value of the parameter at which its watcher stops
+    /// it.
     pub(crate) fn noting<'s>(&'s self, stopped: &'s Cell<Option<f64>>) -> Search<'s> {
         let search = Search {
             max_steps: self.max_steps,
@@ -271,14 +272,14 @@ impl Watched<'_> {
         self.second.set(Some(second));
     }
 
-    /// One more motion was found, at a value of the parameter.
+    /// Counts one more motion, found at a value of the parameter.
     pub(crate) fn found(&self, value: f64) {
         self.at(value);
         self.points.set(self.points.get() + 1);
         self.look(value, 0);
     }
 
-    /// A motion has ended, after so many steps.
+    /// Counts the steps of a motion that has ended.
     pub(crate) fn add(&self, steps: usize) {
         self.steps.set(self.steps.get().saturating_add(steps));
     }

@@ -290,8 +290,8 @@ impl AveragedCycle {
     }
 }
 
-/// All cycles of the averaged equation, stable and unstable, by ascending amplitude, including
-/// cycles in which the mass overtakes the belt.
+/// Returns all cycles of the averaged equation, stable and unstable, by ascending amplitude,
+/// including cycles in which the mass overtakes the belt.
 ///
 /// The averaged equation does not contain the static coefficient μ_s. A stick-slip cycle that
 /// exists only because μ_s exceeds the kinetic coefficient μ̂(0) at the sliding speed 0, as for

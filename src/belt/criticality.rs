@@ -20,10 +20,10 @@ pub enum Criticality {
     /// The new motions are unstable and exist where the old motion is still stable (for a mass on a
     /// belt: d³μ̂/ds³(v_b) < 0).
     Subcritical,
-    /// Not decided. For a Hopf point: the third derivative of μ̂ or the first Lyapunov coefficient
-    /// is NaN or 0. If it is 0, terms of higher order decide. (Friction that is constant or linear
-    /// in the sliding speed has none.) For a flip or a pitchfork: the multipliers do not determine
-    /// the side.
+    /// The side is not decided. For a Hopf point: the third derivative of μ̂ or the first Lyapunov
+    /// coefficient is NaN or 0. If it is 0, terms of higher order decide. (Friction that is
+    /// constant or linear in the sliding speed has none.) For a flip or a pitchfork: the
+    /// multipliers do not determine the side.
     Degenerate,
 }
 

@@ -77,7 +77,7 @@ impl Equilibrium {
         }
     }
 
-    /// This equilibrium of a dimensionless system in other units.
+    /// Converts this equilibrium of a dimensionless system to other units.
     pub(crate) fn in_units(&self, units: Units) -> Self {
         let rate = units.rate;
         Self {

@@ -106,14 +106,14 @@ impl Step {
         Self { duration, ..rest }.ended_by(EventKind::Release(direction), released)
     }
 
-    /// The same step, ended by an event of this kind at this state.
+    /// Returns this step with an event of the given kind, in the given state, at its end.
     #[inline(always)]
     pub(crate) fn ended_by(mut self, kind: EventKind, state: State) -> Self {
         self.event = Some(event(self.end_time(), kind, state));
         self
     }
 
-    /// The same step, with its event, shifted to another start time.
+    /// Returns this step, with its event, shifted to another start time.
     pub(crate) fn starting_at(mut self, start: Clock) -> Self {
         self.start = start;
         let time = self.end_time();
@@ -220,7 +220,7 @@ impl Step {
         }
     }
 
-    /// This step of a dimensionless motion, in other units.
+    /// Converts this step of a dimensionless motion to other units.
     pub(crate) fn in_units(&self, units: Units) -> Self {
         let start = self.start.at_rate(units.rate);
         let duration = self.duration / units.rate;
@@ -378,8 +378,8 @@ impl Trajectory {
         Some(self.step_at(time)?.mode)
     }
 
-    /// This dimensionless motion from time 0, in other units. `asked` is the requested duration in
-    /// these units.
+    /// Converts this dimensionless motion from time 0 to other units. `asked` is the requested
+    /// duration in these units.
     pub(crate) fn in_units(&self, units: Units, asked: f64) -> Self {
         let steps = self.steps().iter().map(|step| step.in_units(units));
         let reached = self.duration() / units.rate;

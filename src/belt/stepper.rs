@@ -21,7 +21,7 @@ pub(crate) struct Advance {
 }
 
 impl Advance {
-    /// Returns true if it ends in contact: at zero sliding speed.
+    /// Returns true if the step ends in contact: at zero sliding speed.
     pub(crate) fn is_contact(&self) -> bool {
         self.end.speed == 0.0
     }
@@ -417,7 +417,7 @@ impl Stepper {
         self.displacement_inline(system, start, time, t)
     }
 
-    /// The same, inlined where speed counts.
+    /// Computes [`displacement`](Self::displacement), inlined where speed counts.
     #[inline(always)]
     fn displacement_inline(&self, system: &Belt<'_>, start: &SlipPoint, time: Time, t: f64) -> f64 {
         let mean_speed = self.expander.series.speed.mean(t);

@@ -303,7 +303,7 @@ impl<'a, 'f> Work<'a, 'f> {
         Ok(found)
     }
 
-    /// The same, compiled once for all result types.
+    /// Gives the tracer of the system at a value to a function; compiled once for all result types.
     fn with_tracer(
         &self,
         value: f64,

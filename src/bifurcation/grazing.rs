@@ -227,8 +227,8 @@ fn beyond_high(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
     Release::follow(tracer)?.beyond_high(tracer)
 }
 
-/// Without a jump of friction, the motion that touches the belt velocity is that from the release
-/// point.
+/// Searches the motion that touches the belt velocity. If friction does not jump at the release, it
+/// is the motion from the release point.
 fn touching(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
     match touching_beside_release(tracer)? {
         None => overshoot(tracer),

@@ -226,7 +226,7 @@ impl Drive {
         Ok(self)
     }
 
-    /// The same drive plus cosine·cos(Ωt) + sine·sin(Ωt).
+    /// Adds cosine·cos(Ωt) + sine·sin(Ωt).
     fn with_waves(mut self, frequency: f64, cosine: f64, sine: f64) -> Result<Self, Error> {
         Error::check(
             "Drive",
@@ -413,8 +413,8 @@ impl Drive {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// For each function of a user the largest distance from its [`series`](Self::series), within a
-    /// duration from `start` on and before the next break, and its size.
+    /// The largest distance of each function of a user from its [`series`](Self::series), within a
+    /// duration from `start` on and before the next break, and the size of the function.
     pub(crate) fn defects(&self, start: Clock, duration: f64) -> impl Iterator<Item = [f64; 2]> {
         let functions = self.functions.iter();
         functions.map(move |function| function.defect(start, duration))

@@ -45,14 +45,14 @@ pub(super) struct Function {
     factor: f64,
     /// Largest size of its values.
     size: f64,
-    /// Of each piece.
+    /// The timescale of each piece.
     timescales: Vec<f64>,
     /// The times at which pieces meet, in the first period, and the piece that begins there.
     marks: Vec<(f64, usize)>,
     period: Option<f64>,
 }
 
-/// Where a time lies.
+/// The place of a time among the pieces.
 #[derive(Clone, Copy)]
 struct Place {
     /// Number of the period, and of the marks passed in it.
@@ -317,7 +317,7 @@ impl Function {
     /// The largest distance from its series within a duration from `start` on, beyond what the
     /// rounding of the time causes, and its size.
     pub(super) fn defect(&self, start: Clock, duration: f64) -> [f64; 2] {
-        /// In units of ε times the time.
+        /// Rounding of the time, in units of ε times the time.
         const ROUNDING: f64 = 4.0 * f64::EPSILON;
         let place = self.place(start, false);
         let series = self.series_at(place);
@@ -342,7 +342,7 @@ const LOOKS: f64 = 2.0;
 const FEWEST_LOOKS: f64 = 8.0;
 const MOST_LOOKS: f64 = 1024.0;
 
-/// How often a panel is halved at most.
+/// Largest number of times that a panel is halved.
 const DEEPEST: usize = 12;
 
 /// ∫ f from a to b by halves, until both together give what the whole does.

@@ -32,7 +32,7 @@ impl Profile {
         })
     }
 
-    /// Its value, if it is constant.
+    /// The value of the profile, if it is constant.
     pub(super) fn as_constant(&self) -> Option<f64> {
         let &(_, first) = self.points.first()?;
         let constant = self.points.iter().all(|&(_, value)| value == first);

@@ -22,8 +22,8 @@ pub enum NotDifferentiable {
     /// The family jumps or has a kink at the parameter: difference quotients from shorter and
     /// shorter increments do not come closer to each other, or those of both sides differ.
     Kink,
-    /// There is no motion on either side of the parameter: the family returns an error, or the
-    /// motion ends in one.
+    /// No motion exists on either side of the parameter: the family returns an error, or the motion
+    /// ends in one.
     NoMotion(Box<Error>),
 }
 

@@ -3,7 +3,7 @@
 use super::{Element, Error, Reached};
 
 impl Error {
-    /// This error inside an [`Error::At`], with the value of the parameter at which it happened.
+    /// Wraps this error in an [`Error::At`], with the value of the parameter at which it happened.
     pub(crate) fn at(self, parameter: &'static str, value: f64) -> Self {
         // A stop is no failure of the system there.
         if matches!(self, Self::Stopped { .. }) {
@@ -93,7 +93,7 @@ impl Error {
         }
     }
 
-    /// This error with the place where the integration stood, if it is one of the law.
+    /// Adds the place at which the integration stood, if this error is one of the law.
     pub(crate) fn reached_at(self, at: Reached) -> Self {
         match self {
             Self::NonFiniteFriction { speed, value, .. } => Self::NonFiniteFriction {

@@ -104,7 +104,7 @@ pub enum NotSliding {
     WrongWay {
         /// Number of the contact.
         contact: usize,
-        /// Its relative velocity.
+        /// Relative velocity of the contact.
         velocity: f64,
     },
     /// A contact does not slip at the given velocities, but balance requires a force above its

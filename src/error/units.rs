@@ -4,7 +4,7 @@ use super::{Error, Reached};
 use crate::state::Units;
 
 impl Reached {
-    /// The same place in other units.
+    /// Converts this place to other units.
     fn in_units(mut self, units: Units) -> Self {
         self.time /= units.rate;
         for displacement in &mut self.state.displacements {
@@ -18,7 +18,7 @@ impl Reached {
 }
 
 impl Error {
-    /// This error of a dimensionless system, with all its numbers in other units, and with the
+    /// Converts all numbers of this error of a dimensionless system to other units, and takes the
     /// names that parameters have there.
     pub(crate) fn in_units(self, units: Units) -> Self {
         let speed = |speed: f64| speed * units.velocity();

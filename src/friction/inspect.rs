@@ -100,7 +100,7 @@ fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error>
     Ok(inspection.finish(end))
 }
 
-/// At much larger speeds the powers of a series overflow.
+/// Largest speed of an inspection. At much larger speeds the powers of a series overflow.
 const LARGEST_SPEED: f64 = 1e10;
 
 /// Least number of points in the range at which the law is evaluated.
@@ -242,7 +242,7 @@ impl Inspection<'_> {
         }
     }
 
-    /// The same along one series, up or down.
+    /// Searches features along one series, up or down.
     fn features_along(&mut self, stretch: &Stretch, direction: f64) {
         let spacing = (self.range / PLACES).min(stretch.length / PLACES_IN_STRETCH);
         let step = direction * spacing;
@@ -424,7 +424,7 @@ impl Inspection<'_> {
         }
     }
 
-    /// All faults, once each, by ascending speed.
+    /// Returns all faults, once each, by ascending speed.
     fn finish(mut self, end: f64) -> Vec<LawFault> {
         self.positive_from(end);
         let place = |fault: &LawFault| match *fault {

@@ -69,7 +69,7 @@ pub trait LawVisitor {
     /// Calls the function.
     fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output;
 
-    /// The same for a law that is seldom used: less code, which takes longer.
+    /// Calls the function for a law that is seldom used: less code, which takes longer.
     #[inline(always)]
     fn visit_seldom<L: FrictionLaw>(self, law: &L) -> Self::Output
     where

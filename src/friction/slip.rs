@@ -105,7 +105,7 @@ impl Expander {
         )
     }
 
-    /// The same, unrolled for every order or by jets.
+    /// Expands the law, with code that is unrolled for every order, or by jets.
     #[inline(always)]
     fn expand_by<L: FrictionLaw, const UNROLLED: bool>(
         &mut self,

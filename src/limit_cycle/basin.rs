@@ -36,15 +36,15 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Not decided, because rounding errors hide whether the motion grows or shrinks over one
-    /// period. Either a velocity maximum of the motion lies in an
+    /// The attractor is not decided, because rounding errors hide whether the motion grows or
+    /// shrinks over one period. Either a velocity maximum of the motion lies in an
     /// [unresolved](CycleSet::unresolved) range, or the motion crosses the belt velocity in each
     /// period, and its relative change over one period is about 10⁻¹⁴ or less.
     Unresolved,
 }
 
 impl Attractor {
-    /// The same attractor of a dimensionless system in other units.
+    /// Converts this attractor of a dimensionless system to other units.
     fn in_units(self, units: Units) -> Self {
         match self {
             Self::Cycle(cycle) => Self::Cycle(cycle.in_units(units)),

@@ -20,8 +20,8 @@ pub enum CycleKind {
     /// Slip slower than the belt alternates with stick. [`stick_slip`](super::stick_slip) finds a
     /// cycle of this kind or of the kind [`Overshoot`](Self::Overshoot).
     StickSlip,
-    /// In each period: slip slower than the belt, a crossing of the belt velocity, slip faster than
-    /// the belt, and stick.
+    /// Each period consists of slip slower than the belt, a crossing of the belt velocity, slip
+    /// faster than the belt, and stick.
     Overshoot,
     /// The mass crosses the belt velocity twice a period and never sticks.
     Crossing,
@@ -152,7 +152,7 @@ impl LimitCycle {
         }
     }
 
-    /// This dimensionless motion in other units.
+    /// Converts this dimensionless motion to other units.
     pub(crate) fn in_units(mut self, units: Units) -> Self {
         for step in &mut self.steps {
             *step = step.in_units(units);

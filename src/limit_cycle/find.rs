@@ -1,5 +1,5 @@
-//! All cycles of a mass on a belt: which maps are searched, in which order and range, and the cases
-//! of a belt at rest, of no friction and of a continuum.
+//! The search for all cycles of a mass on a belt: its maps, their order and range, and the cases of
+//! a belt at rest, of no friction and of a continuum.
 
 use super::arc::Tracer;
 use super::continuum::{Continuum, flat_amplitude, is_flat, is_frictionless};

@@ -252,7 +252,7 @@ struct Kink {
 }
 
 impl Kink {
-    /// All kinks, in the order of their amplitudes.
+    /// Returns all kinks, by ascending amplitude.
     fn all(system: &Forward<'_>) -> Vec<Self> {
         let (law, v_b) = (system.law(), system.belt_velocity());
         let breakpoints = law.breakpoints().enumerate();

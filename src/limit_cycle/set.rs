@@ -61,7 +61,7 @@ impl CycleSet {
         self.cycles.iter_mut().for_each(LimitCycle::mirror);
     }
 
-    /// These dimensionless motions in other units.
+    /// Converts these dimensionless motions to other units.
     pub(crate) fn in_units(self, units: Units) -> Self {
         let cycles = self.cycles.into_iter().map(|cycle| cycle.in_units(units));
         let continuum = self.continuum.map(|continuum| Continuum {

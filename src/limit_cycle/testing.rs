@@ -110,7 +110,7 @@ pub(super) fn repelling(peak: f64, cubic: f64) -> System {
     system(0.6, [0.6, slope, -cubic], v_b, 0.0)
 }
 
-/// The same system measured in another unit of length.
+/// Returns a system measured in another unit of length.
 pub(super) fn rescaled(system: &System, unit: f64) -> System {
     let law = *system.law();
     let [c0, c1, c3] = law.c;

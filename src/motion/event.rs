@@ -124,7 +124,7 @@ impl<S> Event<S> {
         self.element.contact()
     }
 
-    /// The same event with another state.
+    /// Returns this event with another state.
     pub(crate) fn with_state<T>(&self, state: T) -> Event<T> {
         Event {
             time: self.time,

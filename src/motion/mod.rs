@@ -32,7 +32,7 @@ use std::fmt::Debug;
 
 use crate::error::Error;
 
-/// What the crate asks of the sealed traits, hidden from its users.
+/// Items of the sealed traits that only the crate calls, hidden from users.
 pub(crate) mod sealed {
     use super::{Integrator, Segment, Steps, Stop, System, SystemState, Trajectory};
     use crate::error::Error;

@@ -37,9 +37,9 @@ const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 pub(crate) enum Attempt<T> {
     /// The step is accepted.
     Taken(T),
-    /// Its series are too curved for their roots to be isolated.
+    /// The series of the step are too curved for their roots to be isolated.
     TooCurved,
-    /// Its defect is too large, up to this time.
+    /// The defect of the step, up to this time, is too large.
     Inexact(f64),
 }
 

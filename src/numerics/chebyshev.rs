@@ -1,4 +1,5 @@
-//! All roots of a function that is known from values alone, isolated by Chebyshev interpolation.
+//! Search for all roots of a function that is known from values alone, isolated by Chebyshev
+//! interpolation.
 
 use super::sort::sort_by;
 use std::collections::VecDeque;

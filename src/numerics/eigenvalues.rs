@@ -76,7 +76,8 @@ pub(crate) fn balance(matrix: &mut DMatrix<f64>) -> DVector<f64> {
     units
 }
 
-/// H M H, H = 1 − 2 v vᵀ/(vᵀv): the matrix in the basis that the reflection takes to the axes.
+/// Returns H M H with the reflection H = 1 − 2 v vᵀ/(vᵀv): the matrix in the basis that H takes to
+/// the axes.
 pub(crate) fn reflected(mut matrix: DMatrix<f64>, vector: &DVector<f64>) -> DMatrix<f64> {
     let length = vector.norm_squared();
     if length > 0.0 {

@@ -146,7 +146,8 @@ mod tests {
         Exponent::new(matrix).exponential()
     }
 
-    /// Of an oscillator with displacement, velocity, and a memory that nothing depends on.
+    /// The matrix of an oscillator with displacement, velocity, and a memory that nothing depends
+    /// on, and its exponential.
     fn oscillator(omega: f64, time: f64) -> [DMatrix<f64>; 2] {
         let (sine, cosine) = (omega * time).sin_cos();
         let matrix = [

@@ -13,7 +13,7 @@ pub(crate) fn least_norm(
     svd.solve(right, least).ok()
 }
 
-/// The same with the rows in units of their sizes, if it is finite.
+/// Solves the equations with their rows in units of the rows' sizes, if the solution is finite.
 pub(crate) fn least_norm_by_rows(
     mut matrix: DMatrix<f64>,
     mut right: DVector<f64>,
@@ -65,7 +65,7 @@ struct Conserved {
     left: DMatrix<f64>,
     /// Null vectors, by columns.
     directions: DMatrix<f64>,
-    /// Their parts in a vector, from its products with u.
+    /// Matrix that gives the parts of the null vectors in a vector, from its products with u.
     parts: DMatrix<f64>,
 }
 

@@ -8,7 +8,7 @@
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// What messages call a table and the two numbers of its points.
+/// The names that messages give to a table and to the two numbers of its points.
 #[derive(Clone, Copy)]
 pub(crate) struct Names {
     pub(crate) of: &'static str,
@@ -16,19 +16,19 @@ pub(crate) struct Names {
     pub(crate) y: &'static str,
 }
 
-/// How neighbouring points are joined.
+/// The curve between neighbouring points.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Join {
     Cubics,
     Lines,
 }
 
-/// How the curve continues above the last point.
+/// The curve above the last point.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Above {
     /// Cubics reach the last point with the slope 0.
     Constant,
-    /// With the slope at the last point.
+    /// A straight line continues with the slope at the last point.
     Line,
 }
 

@@ -1,5 +1,5 @@
-//! All roots in an interval, and the outline (the turning points), of a function whose value and
-//! slope are known at every point.
+//! Search for all roots in an interval, and for the outline (the turning points), of a function
+//! whose value and slope are known at every point.
 
 use std::ops::Range;
 

@@ -325,8 +325,8 @@ fn size((least, largest): (f64, f64)) -> f64 {
     largest.max(-least)
 }
 
-/// How far a coordinate whose velocity is in a range is from rest: the largest size of its velocity
-/// or, where masses may move at constant velocities, the change of it.
+/// The distance from rest of a coordinate whose velocity is in a range: the largest size of its
+/// velocity or, where masses may move at constant velocities, the change of it.
 fn speed(form: &GeneralForm<'_>, (least, largest): (f64, f64)) -> f64 {
     if form.freedom().displacements.is_empty() {
         size((least, largest))
@@ -415,7 +415,8 @@ fn keep(returns: &mut Returns, time: f64, state: State) {
 struct Recurrence {
     /// Least and largest of each displacement, put back, then of each velocity.
     ranges: Vec<(f64, f64)>,
-    /// The same of each first-order state on which anything depends, by its memory variable.
+    /// Least and largest value of each first-order state on which anything depends, by its memory
+    /// variable.
     states: Vec<(usize, (f64, f64))>,
     modes: Vec<Mode>,
     /// States at events, by element and kind, and how many there were.

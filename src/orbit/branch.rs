@@ -214,8 +214,8 @@ pub enum BranchEnd {
         /// equals `events`, the time of an event at `contact` jumps.
         beyond: Vec<(Element, EventKind)>,
     },
-    /// At one instant of the period, the friction force of a contact that never slips reaches its
-    /// limit. Beyond this parameter the contact slips at this instant in each period, and no slip
+    /// The friction force of a contact that never slips reaches its limit at one instant of the
+    /// period. Beyond this parameter the contact slips at this instant in each period, and no slip
     /// in the other direction compensates for this slip. The contact is then displaced in each
     /// period, and the motion is not periodic.
     ///

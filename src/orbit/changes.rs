@@ -20,7 +20,7 @@ pub(super) struct FoundBifurcation {
 
 /// The bifurcations between two points.
 pub(super) struct Changes {
-    /// In order.
+    /// The bifurcations, in order.
     pub(super) found: Vec<FoundBifurcation>,
     /// The distance of the last change of events, if there is one.
     pub(super) last_change: Option<f64>,

@@ -23,7 +23,7 @@ impl Coefficient {
         self.terms <= 1
     }
 
-    /// The same, as a series about a later time.
+    /// Returns this coefficient as a series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         Self::from(self.series.shifted(time))
     }

@@ -25,7 +25,7 @@ use crate::structure::engine::model::Model;
 pub(super) struct ElementDerivatives(pub(super) Vec<Vec<Coefficient>>);
 
 impl ElementDerivatives {
-    /// Those of element number `e`.
+    /// The derivatives of element number `e`.
     pub(super) fn of(model: &Model<'_>, e: usize, step: &Step) -> Self {
         let element = &model.elements[e];
         let along = Along::of(model, e, step);
@@ -50,7 +50,7 @@ impl ElementDerivatives {
         self.0.iter().flatten().all(Coefficient::is_constant)
     }
 
-    /// The same, as series about a later time.
+    /// Returns these derivatives as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         let lists = self.0.iter().map(|list| {
             let list = list.iter().map(|of| of.shifted(time));
@@ -99,7 +99,8 @@ impl Along {
         Self::on_piece((element, piece), positions, velocities, step)
     }
 
-    /// With the piece of the law that holds in the step: that of a stop is given.
+    /// The derivatives of the piece of the law that holds in the step; the piece of a stop is
+    /// given.
     fn on_piece(
         (element, piece): (&ElementData<'_>, Option<usize>),
         positions: Vec<PowerSeries>,

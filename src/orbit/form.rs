@@ -27,11 +27,11 @@ pub struct GeneralForm<'s> {
 /// The time dependence of the drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rhythm {
-    /// All are constant.
+    /// All functions of time are constant.
     Constant,
-    /// They have this common period.
+    /// The functions of time have this common period.
     Periodic(f64),
-    /// They vary without a common period.
+    /// The functions of time vary without a common period.
     Aperiodic,
 }
 
@@ -47,7 +47,7 @@ impl<'s> GeneralForm<'s> {
         }
     }
 
-    /// The same with another limit of steps, and watched.
+    /// Sets another limit of steps, and a watcher.
     pub(super) fn within(self, most: usize, watched: &'s Watched<'s>) -> Self {
         Self {
             most,
@@ -57,7 +57,7 @@ impl<'s> GeneralForm<'s> {
         }
     }
 
-    /// The same, later in a search that has taken so many steps on other systems.
+    /// Sets the number of steps that the search has taken on other systems before.
     pub(super) fn after(self, taken: usize) -> Self {
         self.taken.set(taken);
         self

@@ -24,7 +24,7 @@ use std::ops::ControlFlow;
 /// A contact that is held from a minimum of its sliding speed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hold {
-    /// Its place among those of one motion.
+    /// The place of this hold among the holds of one motion.
     pub(super) number: usize,
     pub(super) contact: usize,
     /// The direction in which it slips.
@@ -35,12 +35,12 @@ pub(super) struct Hold {
     pub(super) then: Then,
 }
 
-/// What a held contact does from the minimum of its sliding speed on.
+/// The motion of a held contact from the minimum of its sliding speed on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Then {
     Slips,
-    /// It slips on after a stick of duration 0. The motion is that of a contact that slips, but
-    /// perturbations lose their slip at the contact, as at the begin of any stick.
+    /// The contact slips on after a stick of duration 0. The motion is that of a contact that
+    /// slips, but perturbations lose their slip at the contact, as at the begin of any stick.
     SlipsAfterRest,
     Sticks,
 }
@@ -56,7 +56,7 @@ pub(super) struct Touch {
 }
 
 impl Hold {
-    /// The same for a motion over a period that begins later.
+    /// Returns this hold for a motion over a period that begins later.
     pub(super) fn later(self, by: f64, period: f64) -> Self {
         let since = (self.since - by).rem_euclid(period);
         Self { since, ..self }
@@ -97,7 +97,7 @@ fn common_limit(
     side: Direction,
     state: &State,
 ) -> Option<f64> {
-    /// They are the same up to this part.
+    /// Largest relative difference of equal coefficients.
     const SAME: f64 = 1e-9;
     let memory = &state.memory[form.model.memory(contact)];
     let (kinetic, limits) = form.model.contacts[contact].coefficients_at_rest(side, memory);

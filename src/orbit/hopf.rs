@@ -31,7 +31,7 @@ use crate::structure::sliding_field::SlidingField;
 /// variables).
 const AMPLITUDES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
-/// Its largest amplitude in units of the displacements in steady sliding.
+/// Largest amplitude of the first motion, in units of the displacements in steady sliding.
 const DISPLACED: f64 = 0.1;
 
 /// The eigenvalues at a value of the parameter.
@@ -63,7 +63,7 @@ pub(super) struct Crossing {
 /// The equilibrium of a system with all masses at rest: contacts on surfaces that move slide, and
 /// the others stick.
 pub(super) struct Standing {
-    /// By falling real part.
+    /// The eigenvalues, by falling real part.
     eigenvalues: Vec<Complex<f64>>,
     /// The contacts that stick.
     sticking: Vec<usize>,

@@ -30,7 +30,7 @@ const ALIKE: f64 = 1e-3;
 
 /// A jump of the motion.
 pub(super) struct Discontinuity {
-    /// Its distance behind the last point of the curve.
+    /// Distance of the jump behind the last point of the curve.
     pub(super) distance: f64,
     /// The size of the jump, in units of the sizes of the motion.
     pub(super) size: f64,
@@ -60,7 +60,7 @@ impl LocalCurve<'_, '_> {
         found.or_else(|| self.already_slips())
     }
 
-    /// The same, from the events of some periods.
+    /// Searches the jump from the events of some periods.
     fn jump(&self, periods: f64, least: f64) -> Option<Discontinuity> {
         let mut low = (0.0, self.side(0.0, periods)?);
         for away in AWAY {

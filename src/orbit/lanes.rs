@@ -51,7 +51,7 @@ pub(super) struct Equations<'e> {
 }
 
 impl<'e> Equations<'e> {
-    /// With so many coefficients, or [`LONG`] or `SHORT` if they are more or fewer.
+    /// Takes so many coefficients, or [`LONG`] or `SHORT` if they are more or fewer.
     pub(super) fn new(form: &'e GeneralForm<'e>, linear: &'e Linear, terms: usize) -> Self {
         Self {
             model: &form.model,

@@ -93,7 +93,7 @@ impl ContactDerivatives {
         self.reacts || self.by_load.is_some() || !self.rates_by_load.is_empty()
     }
 
-    /// The same coefficients, as series about a later time.
+    /// Returns these coefficients as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         let one = |of: &Coefficient| of.shifted(time);
         let all = |row: &Vec<Coefficient>| -> Vec<_> { row.iter().map(one).collect() };
@@ -141,7 +141,7 @@ impl Linear {
             && self.elements.iter().all(ElementDerivatives::is_constant)
     }
 
-    /// The same coefficients, as series about a later time.
+    /// Returns these coefficients as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         Self {
             contacts: self

@@ -8,7 +8,7 @@ use crate::structure::Step;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mark {
     pub(super) contact: usize,
-    /// Its kind; `None` for an arrival, which may become a stop or a crossing.
+    /// Kind of the event; `None` for an arrival, which may become a stop or a crossing.
     pub(super) kind: Option<EventKind>,
     /// The approximate time since the start of the motion, and the largest distance from this time.
     pub(super) since: f64,
@@ -24,7 +24,7 @@ impl Mark {
         event.contact() == Some(self.contact) && kind
     }
 
-    /// Its event among those of a motion, with the step at whose end it is.
+    /// Finds the marked event in a motion, with the step that it ends.
     pub(super) fn find<'s>(&self, steps: &'s [Step]) -> Option<(&'s Step, &'s Event<State>, f64)> {
         let begins = steps.first()?.start_time();
         let events = steps

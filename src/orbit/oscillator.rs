@@ -33,7 +33,7 @@ pub trait Measured: System {
     fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget;
 }
 
-/// What a family has at a value of its parameters.
+/// The member of a family at a value of its parameters.
 type Member<'f> = Result<Box<dyn FamilyMember + 'f>, Error>;
 
 /// A system without its type.
@@ -51,7 +51,7 @@ pub(crate) type FamilyOfTwo<'f> = dyn Fn(f64, f64) -> Member<'f> + 'f;
 /// A family in one parameter with the type of its systems.
 pub(super) type Systems<'f, S> = dyn Fn(f64) -> Result<S, Error> + 'f;
 
-/// The same in two parameters.
+/// A family in two parameters with the type of its systems.
 pub(super) type SystemsOfTwo<'f, S> = dyn Fn(f64, f64) -> Result<S, Error> + 'f;
 
 impl Oscillator for Structure {}

@@ -1,4 +1,4 @@
-//! Where motions start while Newton's method searches for them: away from events, at a time of the
+//! The start of motions while Newton's method searches for them: away from events, at a time of the
 //! period of a forced motion, or where an autonomous one meets its phase condition.
 
 use std::ops::ControlFlow;
@@ -292,7 +292,7 @@ impl FrozenStart {
 
 /// A turning point of a coordinate of an autonomous motion.
 struct TurningPoint {
-    /// Its acceleration in units of its largest velocity, and the sign.
+    /// Acceleration of the coordinate there in units of its largest velocity, and the sign.
     sharpness: f64,
     sign: f64,
     turning: Turning,

@@ -55,14 +55,15 @@ struct Instant {
     memory: Vec<f64>,
 }
 
-/// How much later a contact reaches a limit, and the coordinates of the contacts connected with it.
+/// Delay with which a contact reaches a limit, and the coordinates of the contacts connected with
+/// it.
 struct Delay {
     contacts: Vec<usize>,
     later: RowDVector<f64>,
     coordinates: Vec<bool>,
 }
 
-/// How much later the force of a stop jumps, and the coordinates on which it acts, directly or by
+/// Delay with which the force of a stop jumps, and the coordinates on which it acts, directly or by
 /// contacts.
 struct StopJump {
     later: RowDVector<f64>,

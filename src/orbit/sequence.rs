@@ -13,7 +13,7 @@ type Kind = (Element, EventKind, Mode);
 #[derive(Debug, Clone)]
 pub(super) struct Sequence {
     kinds: Vec<Kind>,
-    /// Their times, in periods.
+    /// The times of the events, in periods.
     times: Vec<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Sequence {
         Self::except(map, period, |_| false)
     }
 
-    /// The same without some.
+    /// The events of a motion without some.
     pub(super) fn except(
         map: &PeriodMap,
         period: f64,

@@ -16,7 +16,7 @@ pub(super) struct Unslipped {
     pub(super) contact: usize,
     /// The number that follows: a displacement, or T.
     pub(super) row: usize,
-    /// Its derivatives by the displacements.
+    /// Derivatives of this number by the displacements.
     pub(super) slopes: Vec<(usize, f64)>,
 }
 

@@ -508,8 +508,8 @@ impl Walk<'_, '_> {
         })
     }
 
-    /// The same motion with another start and the scales there, if an event has come near its
-    /// start, or it hardly passes the phase condition any more. The way from the point before it
+    /// Gives the motion another start, and the scales there, if an event has come near its start,
+    /// or it hardly passes the phase condition any more. The way from the point before it
     /// determines the direction.
     fn moved(&self, before: &Solved, base: &Solved) -> Option<(Solved, DVector<f64>)> {
         let (curve, trial) = (self.curve, &base.trial);

@@ -31,7 +31,7 @@ impl<S: Scalar> Dual<S> {
         }
     }
 
-    /// Its derivative, as a number that may vary.
+    /// The derivative of the number, as a number that may vary.
     pub(crate) fn derivative(self) -> S {
         match self.tangent {
             Constant(c) => self.value.constant(c),
@@ -61,7 +61,7 @@ impl<S: Scalar> Tangent<S> {
         }
     }
 
-    /// Its product with a number that varies.
+    /// Multiplies the tangent by a number that varies.
     #[inline(always)]
     fn times(self, number: S) -> Self {
         match self {

@@ -22,13 +22,13 @@ pub(crate) type Row = [Lanes; LONGEST];
 pub(crate) struct Chunk {
     /// Each with its f, α, β and slope.
     operations: Vec<(Operation, [Lanes; 4])>,
-    /// Those of 0, the argument, the further inputs, and the operations.
+    /// The rows of 0, the argument, the further inputs, and the operations.
     rows: Vec<Row>,
-    /// What each row's newest coefficient is beside slope·s_k.
+    /// Each row's newest coefficient without slope·s_k.
     rests: Vec<Lanes>,
     /// Row and factor of the result; the factor is 0 in a lane that is not in use.
     output: (u16, Lanes),
-    /// The same of the rates of the inputs.
+    /// Row and factor of the rate of each input.
     rates: Vec<(u16, Lanes)>,
 }
 
@@ -64,7 +64,8 @@ impl Chunk {
         self.put(lane, recorder, output);
     }
 
-    /// The same beside others, if it has their operations; returns false otherwise.
+    /// Takes a recorded law into a lane beside others, if it has their operations; returns false
+    /// otherwise.
     pub(crate) fn take(&mut self, lane: usize, recorder: &mut Recorder, output: Output) -> bool {
         let rates = recorder.rates().iter().map(|rate| rate.row);
         let has_rates = rates.eq(self.rates.iter().map(|&(row, _)| row));

@@ -20,7 +20,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Scalar, integral, power_by_squaring, root_beside_one, sealed};
 
-/// What an operation sums up in order k, of the rows named.
+/// The sum that an operation takes in order k, over the rows named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sum {
     Nothing,
@@ -32,7 +32,7 @@ pub(crate) enum Sum {
     Weight,
 }
 
-/// What a sum of products is multiplied with.
+/// The factor of a sum of products.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Weight {
     One,
@@ -177,7 +177,7 @@ impl<'r> Recorded<'r> {
         }
     }
 
-    /// The same with a alone.
+    /// Notes an operation on `a` alone.
     #[inline]
     fn note_of(self, value: f64, sum: (f64, Sum), factor: f64) -> Self {
         self.note(value, sum, (self, factor), (self.constant(0.0), 0.0))

@@ -56,9 +56,9 @@ fn compose_in(
     series
 }
 
-/// The same of the recorded law, in the last lane. In the first it is at another speed, if it has
-/// the same operations there; what is in a lane that is not in use adds nothing. The value
-/// and the orders beyond are those of `series`.
+/// Computes the series by the recorded law, in the last lane. In the first lane the law is at
+/// another speed, if it has the same operations there; what is in a lane that is not in use adds
+/// nothing. The value and the orders beyond are those of `series`.
 fn compose_recorded(
     law: Expression,
     piece: usize,
@@ -83,7 +83,7 @@ fn compose_recorded(
     series
 }
 
-/// The same with all orders at once. The orders beyond are those of `series`.
+/// Computes the series with all orders at once. The orders beyond are those of `series`.
 fn compose_whole(
     law: Expression,
     piece: usize,
@@ -95,7 +95,7 @@ fn compose_whole(
     series
 }
 
-/// The same with the order at run time.
+/// Computes the series with the order at run time.
 fn compose_by_jets(tape: &mut Tape, law: Expression, piece: usize, inner: &Inner) -> [f64; ORDERS] {
     let mut series = [f64::NAN; ORDERS];
     for (k, (s, m)) in std::iter::zip(inner, &mut series).enumerate() {
@@ -714,7 +714,7 @@ fn derivatives_of_laws_to_order_thirty() {
     );
 }
 
-/// On `f64` every method is the number's own.
+/// Every method of `Scalar` for `f64` is the number's own.
 #[test]
 fn f64_is_itself() {
     fn all<S: Scalar>(s: S) -> [f64; 18] {

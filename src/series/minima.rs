@@ -18,7 +18,8 @@ impl PowerSeries {
         }
     }
 
-    /// The same about each minimum and maximum.
+    /// Calls `look` about each minimum and each maximum, as [`about_minima`](Self::about_minima)
+    /// about each minimum.
     pub(crate) fn about_extrema(&self, h: f64, values: [f64; 4], look: &mut dyn FnMut([f64; 4])) {
         self.about_minima(h, values, look);
         self.scaled(-1.0)

@@ -126,7 +126,8 @@ impl PowerSeries {
         })
     }
 
-    /// The same where speed does not count: one copy of the code for all callers.
+    /// Computes [`at_four`](Self::at_four) where speed does not count: one copy of the code for all
+    /// callers.
     #[inline(never)]
     pub(crate) fn at_some(&self, t: [f64; 4]) -> [f64; 4] {
         self.at_four(t)
@@ -330,7 +331,7 @@ fn sum_of_powers(t: f64, c: impl Fn(usize) -> f64) -> f64 {
 /// A time whose powers may overflow. Only rest and motions without springs last so long.
 const FAR: f64 = 1e100;
 
-/// The same at a time beyond [`FAR`], of a series with few terms.
+/// Sums a series with few terms at a time beyond [`FAR`].
 #[inline(never)]
 fn sum_far(t: f64, c: impl Fn(usize) -> f64) -> f64 {
     let terms = (0..TERMS)

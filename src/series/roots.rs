@@ -25,7 +25,7 @@ impl PowerSeries {
         self.first_root_by(h, values, self.curvature_bound(h))
     }
 
-    /// The same with the bound of |c''| on [0, h].
+    /// Searches the [first root](Self::first_root) with a given bound of |c''| on [0, h].
     #[inline(always)]
     pub(crate) fn first_root_by(
         &self,

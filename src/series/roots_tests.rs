@@ -166,8 +166,8 @@ enum Verdict {
     Invented,
 }
 
-/// How far the root can lie from the time found, by the error bound of the values and the slope;
-/// and whether that is close enough to judge its place.
+/// Largest distance of the root from the time found, by the error bound of the values and the
+/// slope; true if that is close enough to judge its place.
 fn blur(slope: &PowerSeries, t: f64, error: f64) -> (f64, bool) {
     let last_bit = 2.0 * f64::EPSILON * t;
     let blur = last_bit + 2.0 * error / slope.at(t).abs();
@@ -516,8 +516,8 @@ fn case(n: u64) -> (usize, PowerSeries, f64) {
 
 // ---- The attack ----
 
-/// How often each verdict was given on each kind, for the first root and for all sign changes; and
-/// the most halvings of a step that was too curved.
+/// Counts of each verdict on each kind, for the first root and for all sign changes; and the most
+/// halvings of a step that was too curved.
 #[derive(Debug, Default, Clone, Copy)]
 struct Tally {
     first: [[u64; 5]; KINDS.len()],

@@ -130,7 +130,7 @@ impl Direction {
         }
     }
 
-    /// Its place in a pair of values backward and forward.
+    /// The place of a direction in a pair of values backward and forward.
     #[cfg(feature = "structures")]
     pub(crate) const fn place(self) -> usize {
         match self {

@@ -69,7 +69,7 @@ impl State {
         Self::new(&vec![0.0; n], &vec![0.0; n])
     }
 
-    /// All numbers: displacements, velocities, memory variables, relative velocities.
+    /// The numbers of the state: displacements, velocities, memory variables, relative velocities.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         let motion = self.displacements.iter().chain(&self.velocities);
         let sliding = self.sliding().iter().map(|&(_, r)| r);
@@ -138,7 +138,7 @@ impl State {
         self.sliding.as_ref().map_or(&[], |sliding| &sliding.0)
     }
 
-    /// The same state with these relative velocities of contacts, by ascending number.
+    /// Sets the relative velocities of contacts, given by ascending number.
     pub(crate) fn sliding_at(self, sliding: impl Iterator<Item = (usize, f64)>) -> Self {
         let mut sliding = sliding.peekable();
         let is_given = sliding.peek().is_some();

@@ -443,7 +443,7 @@ impl Contact {
         Some([backward.max(forward), kinetic[0].min(kinetic[1])])
     }
 
-    /// Its law, without its type.
+    /// The law of the contact, without its type.
     pub(super) fn law(&self) -> &(dyn LawObject + Send + Sync) {
         &*self.law
     }

@@ -17,10 +17,10 @@ pub(super) const ROUNDING: f64 = 1e-12;
 /// of first-order states. The positions are the displacements q, then the states z.
 pub(super) struct Equilibrium<'e, 'm, 's> {
     pub(super) model: &'m Model<'s>,
-    /// With the loads of friction that follow displacements.
+    /// Stiffness, with the loads of friction that follow displacements.
     pub(super) stiffness: DMatrix<f64>,
     pub(super) right: DVector<f64>,
-    /// Those at which contacts stick; `None` for masses at rest.
+    /// Velocities at which contacts stick; `None` for masses at rest.
     pub(super) velocities: Option<&'e [f64]>,
     pub(super) sticking: &'e [usize],
     /// The contacts whose friction is not in `stiffness` and `right`, because it is not linear in
@@ -295,7 +295,7 @@ struct Push<'e> {
     /// The accelerations by a force of 1.
     responses: &'e Entries,
     force: f64,
-    /// Its derivatives.
+    /// Derivatives of the force.
     slopes: Vec<(usize, f64)>,
 }
 
@@ -303,7 +303,7 @@ struct Push<'e> {
 pub(super) struct Balance {
     /// Displacements, then first-order states.
     pub(super) positions: DVector<f64>,
-    /// Those of rigid-body motions.
+    /// Accelerations of rigid-body motions.
     pub(super) accelerations: DVector<f64>,
     /// Forces of the contacts that stick.
     pub(super) forces: Vec<f64>,

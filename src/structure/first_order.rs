@@ -309,7 +309,7 @@ impl FirstOrder {
         &self.forces
     }
 
-    /// The same state with its drive held at the value of a time.
+    /// Holds the drive of the state at its value at a time.
     pub(super) fn frozen(&self, time: f64) -> Self {
         Self {
             drive: Arc::new(Drive::constant(self.drive.value(time))),

@@ -172,7 +172,7 @@ impl ForceElement {
         &self.factor
     }
 
-    /// Its law, if it is one of the crate.
+    /// The law of the element, if it is one of the crate.
     pub(super) fn named(&self) -> Option<NamedForce> {
         NamedForce::of(&*self.law)
     }

@@ -35,7 +35,7 @@ pub struct Step {
     ending: Option<Box<Ending>>,
 }
 
-/// What happens at the end of a step.
+/// The events at the end of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Ending {
     events: Vec<Event<State>>,
@@ -147,7 +147,7 @@ impl Step {
         State::of_parts(parts).sliding_at(sliding)
     }
 
-    /// The same step with another state at its end.
+    /// Sets another state at the end of the step.
     fn ending_in(mut self, state: &State) -> Self {
         self.ends.truncate(self.ends.len() / 2);
         self.ends.extend(state.numbers());
@@ -165,7 +165,8 @@ impl Step {
         self.start
     }
 
-    /// The same step over another duration, shorter or longer, by its power series, without events.
+    /// Extends or cuts the step to another duration, shorter or longer, by its power series,
+    /// without events.
     pub(crate) fn lasting(self, duration: f64) -> Self {
         let state = self.state_at(duration);
         Self {
@@ -193,7 +194,8 @@ impl Step {
         }
     }
 
-    /// The same step of a periodic motion earlier by a number of periods, and moved back.
+    /// Shifts a step of a periodic motion to an earlier time by a number of periods, and moves it
+    /// back.
     pub(crate) fn earlier(mut self, by: f64, moved: &[f64]) -> Self {
         (self.start, self.end) = (self.start.after(-by), self.end.after(-by));
         let half = self.ends.len() / 2;
@@ -209,7 +211,7 @@ impl Step {
         self
     }
 
-    /// The same step with a contact that comes to rest at its end, in a state there.
+    /// Lets a contact come to rest at the end of the step, in a given state.
     pub(crate) fn coming_to_rest(self, contact: usize, state: State) -> Self {
         let mut step = self.ending_in(&state);
         let event = Event {

@@ -86,11 +86,11 @@ pub struct Stop {
     /// −d, along which the depth grows.
     inward: [Vec<(usize, f64)>; 1],
     restitution: f64,
-    /// Its stiffness is 0 until it is given.
+    /// The law of the stop, whose stiffness is 0 until it is given.
     law: OneDirection<StopLaw>,
 }
 
-/// What gaps and positions may be.
+/// The values that gaps and positions may have, as messages say it.
 const ANY: &str = "any sign is allowed";
 
 impl Stop {

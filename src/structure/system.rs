@@ -582,7 +582,7 @@ impl Structure {
         drive::common_period(self.drives())
     }
 
-    /// All functions of time that act on the structure.
+    /// The functions of time that act on the structure.
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();
         let of_contacts = contacts.flat_map(|contact| [contact.load(), contact.belt_velocity()]);

@@ -94,7 +94,7 @@ pub(crate) trait LawObject {
 /// The series of a contact's memory, of which the law is given one order, and room for that order
 /// of their rates.
 pub(crate) struct MemoryOrder<'a> {
-    /// That order of the load N; not used without a memory.
+    /// Coefficient of the given order of the load N; not used without a memory.
     pub(crate) load: f64,
     pub(crate) series: &'a [PowerSeries],
     pub(crate) rates: &'a mut [f64],
@@ -104,7 +104,7 @@ pub(crate) struct MemoryOrder<'a> {
 pub(crate) struct Derivative {
     /// μ in slip.
     pub(crate) coefficient: PowerSeries,
-    /// Its derivative.
+    /// The derivative of μ by the input.
     pub(crate) slope: PowerSeries,
     /// The derivatives of the rates of the memory.
     pub(crate) rates: Vec<PowerSeries>,

@@ -136,7 +136,7 @@ impl Sliding {
         !self.changes(i) && self.by_memory[i] == 0.0 && column.iter().all(|rate| *rate == 0.0)
     }
 
-    /// All derivatives with this memory, and its rates.
+    /// Computes all derivatives with this memory, and the rates of the memory.
     fn at(law: &Slopes<'_>, memory: &[f64]) -> (Self, Vec<f64>) {
         let count = memory.len();
         let by_speed = law(memory, Input::Speed);

@@ -1,4 +1,4 @@
-//! Where motions end, compared with simulation.
+//! Attractors of motions, compared with simulation.
 
 use super::*;
 use crate::friction::{Coulomb, Stribeck};

@@ -21,11 +21,11 @@ pub(crate) struct Half<V> {
 /// The reason why a curve ends.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum End {
-    /// It reaches a side of the rectangle.
+    /// The curve reaches a side of the rectangle.
     Ranges,
-    /// It returns to its first point.
+    /// The curve returns to its first point.
     Closed,
-    /// It ends at a special point.
+    /// The curve ends at a special point.
     Special,
     /// The solution shrinks to nothing at these parameters.
     Vanishes([f64; 2]),
@@ -352,8 +352,8 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
     half
 }
 
-/// The same point in other unknowns, if these are needed. Only the parameters still determine the
-/// direction.
+/// Expresses a point in other unknowns, if these are needed. Only the parameters still determine
+/// the direction.
 fn moved<E: Equations>(equations: &E, point: &Point<E::Value>) -> Option<Point<E::Value>> {
     let (y, value) = equations.moved(point)?;
     let scale = equations.scale(&y, &value);

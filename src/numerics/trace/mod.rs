@@ -23,7 +23,7 @@ pub(crate) trait Equations {
     /// The places of the two parameters among the unknowns.
     fn parameters(&self) -> [usize; 2];
 
-    /// Their ranges.
+    /// The ranges of the two parameters.
     fn ranges(&self) -> &[Range<f64>; 2];
 
     /// Computes the value at y, given the value at a near point of the curve. It may set unknowns
@@ -159,7 +159,7 @@ const EXACT: f64 = 1e-12;
 /// A step below this size keeps the derivatives of the one before.
 const COARSE: f64 = 1e-5;
 
-/// It keeps them as long as they shorten each step to this part of the one before.
+/// Newton's method keeps old derivatives while each step is at most this part of the one before.
 const CONTRACTION: f64 = 0.01;
 
 /// Steps below this size are rounding.

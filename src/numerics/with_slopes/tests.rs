@@ -69,7 +69,7 @@ impl<F: Fn(f64) -> Sample> Counted<F> {
         }
     }
 
-    /// What the search finds, and at how many points it looks.
+    /// Returns the result of the search, and the number of its evaluations.
     fn roots(&self, a: f64, b: f64) -> (Roots, usize) {
         self.roots_with(&|_, _| None, a, b)
     }

@@ -37,7 +37,7 @@ impl Bordered {
         Self::solve(borders, matrix)
     }
 
-    /// The same borders with another matrix; `None` if the bordered matrix is singular.
+    /// Solves for another matrix with these borders; `None` if the bordered matrix is singular.
     pub(super) fn with(&self, matrix: &DMatrix<f64>) -> Option<Self> {
         Self::solve(self.borders.clone(), matrix)
     }
@@ -58,8 +58,8 @@ impl Bordered {
         })
     }
 
-    /// The same in other units, by the ratios of the old ones to the new ones; rows behind these
-    /// keep theirs.
+    /// Converts to other units by the ratios of the old ones to the new ones; rows behind these
+    /// keep their units.
     pub(super) fn rescaled(mut self, ratio: &DVector<f64>) -> Self {
         let rescale = |vectors: &mut DMatrix<f64>, power: i32| {
             for (i, mut row) in vectors.row_iter_mut().enumerate().take(ratio.len()) {

@@ -1,4 +1,4 @@
-//! What the curves of all bifurcations have in common.
+//! The common part of the curves of all bifurcations.
 
 use super::super::form::GeneralForm;
 use super::super::phase_condition::FrozenStart;

@@ -51,8 +51,9 @@ pub(super) struct Held {
     /// The motion of a solution with its derivative, and its events except those that change.
     pub(super) trial: TrialMotion,
     sequence: Option<Sequence>,
-    /// Of a solution: the products of 1 − μ of all multipliers μ, of the motion without the touch
-    /// and of that in which the contacts come to rest for a short time; NaN if there is none.
+    /// The products of 1 − μ over all multipliers μ of a solution: of the motion without the touch,
+    /// and of the motion in which the contacts come to rest for a short time; NaN if there is no
+    /// such motion.
     folds: [f64; 2],
 }
 

@@ -61,8 +61,8 @@ pub enum LocusKind {
         /// The contact.
         contact: usize,
     },
-    /// At an instant of zero relative velocity, the force that the contact needs to stick equals
-    /// the static limit. On one side of the curve the contact sticks at this instant. On the other
+    /// The force that the contact needs to stick equals the static limit at an instant of zero
+    /// relative velocity. On one side of the curve the contact sticks at this instant. On the other
     /// side the relative velocity passes through 0, and the contact slips in the opposite
     /// direction.
     StopOnset {
@@ -123,14 +123,14 @@ pub enum SpecialKind {
     /// Two conditions on the events hold at the same time. For example, two contacts reach relative
     /// velocity 0 tangentially, or one contact reaches it at two instants of the period.
     DoubleGrazing,
-    /// On a curve of Hopf points, the bifurcation changes from supercritical to subcritical. A
-    /// curve of folds of limit cycles begins at this point.
+    /// The bifurcation on a curve of Hopf points changes from supercritical to subcritical. A curve
+    /// of folds of limit cycles begins at this point.
     Bautin,
-    /// On a curve of Hopf points, a second pair of eigenvalues is imaginary.
+    /// A second pair of eigenvalues on a curve of Hopf points is imaginary.
     DoubleHopf,
-    /// On a curve of Hopf points, another eigenvalue is 0.
+    /// Another eigenvalue on a curve of Hopf points is 0.
     ZeroHopf,
-    /// On a curve of Hopf points, one of the two parameters has a local maximum or minimum. The
+    /// One of the two parameters has a local maximum or minimum on a curve of Hopf points. The
     /// number is 0 for the first parameter and 1 for the second.
     Turn(usize),
 }

@@ -217,7 +217,7 @@ impl Search<'_> {
         self.locus_of(&family, at, second, ranges)
     }
 
-    /// The same, compiled once for all functions that give such systems.
+    /// Computes [`locus`](Self::locus), compiled once for all functions that give such systems.
     fn locus_of<S: Oscillator>(
         &self,
         family: &SystemsOfTwo<'_, S>,

@@ -49,13 +49,13 @@ pub(super) struct SmoothCurve<'f> {
 /// A motion with its scalars.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
-    /// What is closed: the motion over a period, or its half-period map.
+    /// The closed map: the motion over a period, or its half-period map.
     trial: TrialMotion,
     /// The motion over a period, for a solution that is closed by the half-period map.
     whole: Option<TrialMotion>,
     pub(super) begin: FrozenStart,
     pub(super) bordered: Bordered,
-    /// Of a solution: its events, the multipliers of what is closed, and ½ uᵀD²P[w, w].
+    /// Events of a solution, the multipliers of the closed map, and ½ uᵀD²P[w, w].
     sequence: Option<Sequence>,
     pub(super) multipliers: Vec<Complex<f64>>,
     pub(super) quadratic: f64,

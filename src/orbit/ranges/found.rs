@@ -50,13 +50,13 @@ pub struct VibrationRange {
     /// values for longer and [`classify`](crate::orbit::classify()) its end, or compute its
     /// [`lyapunov`](crate::orbit::lyapunov()) exponent.
     pub attractors: Vec<AttractorKind>,
-    /// What lies at the two ends of the range: the reasons why the attractors change there, or the
-    /// ends of the range that was searched.
+    /// The two ends of the range: the reasons why the attractors change there, or the ends of the
+    /// range that was searched.
     pub borders: [Border; 2],
 }
 
-/// What lies at an end of a [`VibrationRange`]: the reason why the attractors change there, or the
-/// end of the range that was searched.
+/// An end of a [`VibrationRange`]: the reason why the attractors change there, or the end of the
+/// range that was searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",

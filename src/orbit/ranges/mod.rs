@@ -139,7 +139,8 @@ impl Search<'_> {
         self.ranges_of(&family, range)
     }
 
-    /// The same, compiled once for all functions that give such systems.
+    /// Computes [`vibration_ranges`](Self::vibration_ranges), compiled once for all functions that
+    /// give such systems.
     fn ranges_of<S: Oscillator>(
         &self,
         family: &Systems<'_, S>,

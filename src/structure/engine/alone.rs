@@ -11,8 +11,8 @@ use crate::clock::Time;
 use crate::friction::slip::{Equation, Expansion, Known, SlipPoint};
 use crate::series::{INTEGRAL, PowerSeries};
 
-/// All orders of the coordinate and the contact that slip alone, and all after the first of those
-/// that are held; returns false if the law gives no number or no slope.
+/// Computes all orders of the coordinate and the contact that slip alone, and all after the first
+/// of those that are held; returns false if the law gives no number or no slope.
 pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
     let side = series.contacts[c].side;
     let Some(law) = model.contacts[c].law.dry_slip(side) else {

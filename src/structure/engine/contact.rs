@@ -49,7 +49,7 @@ pub(crate) enum Site {
         /// M⁻¹b.
         response: Vec<(usize, f64)>,
     },
-    /// It shares coordinates with other contacts, or has several.
+    /// The contact shares coordinates with other contacts, or has several.
     Shared {
         /// M⁻¹b/G_cc.
         response: Vec<(usize, f64)>,
@@ -113,7 +113,7 @@ impl<'s> ContactData<'s> {
         relative_velocity(self.direction.iter().map(|&(j, b)| b * v(j)), surface)
     }
 
-    /// Returns true if it slips in one direction only, with its first memory.
+    /// Returns true if the contact slips in one direction only, with its first memory.
     pub(super) fn is_one_way(&self) -> bool {
         let limits = self.law.limits(&|_| 0.0);
         limits.is_some_and(|limits| limits.contains(&f64::INFINITY))
@@ -182,7 +182,7 @@ impl<'s> ContactData<'s> {
         (self.constant_coefficient() * self.load_at(time, displacement)).max(0.0)
     }
 
-    /// The same just before a time at which the load jumps.
+    /// The limit just before a time at which the load jumps.
     pub(super) fn limit_before(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
         let load = load_at(
             self.load.just_before(time),
@@ -200,7 +200,7 @@ impl<'s> ContactData<'s> {
     }
 }
 
-/// What determines the relative velocity b·v − w of a contact.
+/// The data that determine the relative velocity b·v − w of a contact.
 #[derive(Debug, Clone)]
 pub(super) struct Kinematics {
     pub(super) direction: Box<[(usize, f64)]>,

@@ -44,7 +44,7 @@ pub(super) struct ContactSeries {
     pub(super) bounds: [PowerSeries; 2],
     /// N.
     pub(super) load: PowerSeries,
-    /// Its part that is given in time.
+    /// The part of N that is given in time.
     pub(super) drive_load: PowerSeries,
     /// True if N varies.
     pub(super) load_varies: bool,
@@ -52,7 +52,7 @@ pub(super) struct ContactSeries {
     pub(super) free: f64,
     /// σμ in slip.
     pub(super) friction: PowerSeries,
-    /// Its derivative by the sliding speed, at the start of the step.
+    /// Derivative of σμ by the sliding speed, at the start of the step.
     pub(super) slope: f64,
     /// μ_s backward and forward, if the law has a memory.
     pub(super) limit_series: [PowerSeries; 2],
@@ -125,8 +125,8 @@ impl ContactSeries {
     }
 }
 
-/// What a pass adds to coefficient k of a memory that relaxes, from its rate and from coefficients
-/// k and k + 1 of the pass before.
+/// The correction that a pass adds to coefficient k of a memory that relaxes, from its rate and
+/// from coefficients k and k + 1 of the pass before.
 #[inline(always)]
 pub(super) fn correction(relaxation: f64, k: usize, rate: f64, [own, next]: [f64; 2]) -> f64 {
     let correction = (rate - (k + 1) as f64 * next) / relaxation;

@@ -2,7 +2,7 @@
 
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
-/// All orders that a step has.
+/// Number of orders of a step.
 pub(super) const ALL: usize = TERMS - 1;
 
 /// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
@@ -108,7 +108,8 @@ pub(super) struct CoordinateSeries {
 pub(super) enum Role {
     /// The coordinate sticks in this contact, which has a constant bound and a constant velocity.
     Held(usize),
-    /// It slips in this contact, which has no memory, with a constant load on a constant belt.
+    /// The coordinate slips in this contact, which has no memory, with a constant load on a
+    /// constant belt.
     Slips(usize),
     /// Something else.
     Other,

@@ -232,10 +232,10 @@ impl ContactStep<'_> {
             .accepts([at_quarters, at_minima, between], self.h)
     }
 
-    /// Of each group of four times the largest |μ(s(t)) − μ(t)|, where s(t) is the sliding speed,
-    /// times the largest N there: the defect of the series, up to terms as small as its last. The
-    /// largest load is used, so that a load that is 0 at one of these times does not hide a defect
-    /// at another. `values` are those of s and of the series of σμ.
+    /// The defect of the series at each group of four times, up to terms as small as its last: max
+    /// N · max |μ(s(t)) − μ(t)|, with the sliding speed s(t). The largest load is used, so that a
+    /// load that is 0 at one of these times does not hide a defect at another. `values` are those
+    /// of s and of the series of σμ.
     #[inline(always)]
     fn defects(&self, slip: Slip<()>, times: &[[f64; 4]], values: [Block; 2]) -> [f64; GROUPS] {
         let Self {
@@ -368,7 +368,7 @@ impl ContactStep<'_> {
         accepted
     }
 
-    /// The same of the series of friction in slip.
+    /// Checks the series of friction in slip at four times.
     fn friction_holds(&self, times: [f64; 4], lasting: [f64; 4]) -> bool {
         let motions = self.motions_at(times);
         let (loads, friction) = (self.loads_at(times), self.series.friction.at_some(times));
@@ -410,7 +410,7 @@ impl ContactStep<'_> {
         counts
     }
 
-    /// Its motion at four times.
+    /// The motion of the contact at four times.
     fn motions_at(&self, times: [f64; 4]) -> [Motion<f64>; 4] {
         if self.state.sticks() {
             return [Motion::Stick; 4];

@@ -42,7 +42,7 @@ impl Edge {
         }
     }
 
-    /// Returns true if it is at the bound on this side.
+    /// Returns true if the contact is at the bound on this side.
     fn is_at(self, side: Direction) -> bool {
         match self {
             Self::On(at, _) => at.is_none_or(|at| at == side),
@@ -128,8 +128,9 @@ pub(super) fn deciding(distance: &PowerSeries, bound: f64) -> Option<(usize, f64
     Some((order, first))
 }
 
-/// The same for a contact that shares coordinates, on an edge of its band: coefficients that are
-/// rounding count as 0. `None` if all are.
+/// The order and the value of the first coefficient that decides, for a contact that shares
+/// coordinates, on an edge of its band: coefficients that are rounding count as 0. `None` if all
+/// are rounding.
 pub(super) fn deciding_distance(of: &ContactSeries, side: Direction) -> Option<(usize, f64)> {
     let distance = Edge::reached(Some(side)).distance(of, side);
     let distance = PowerSeries::from_fn(|k| {

@@ -21,7 +21,7 @@ pub(super) struct ElementSeries {
     pub(super) piece: usize,
     /// ∂F_i/∂x_j at the start, a list for each j.
     pub(super) tangents: Vec<Vec<f64>>,
-    /// For each F_i the sums of its defects at the quarters of a step, about extrema and between.
+    /// The sums of the defects of each F_i at the quarters of a step, about extrema and between.
     pub(super) defects: Vec<[f64; 3]>,
     /// False for a stop without a force.
     pub(super) acts: bool,

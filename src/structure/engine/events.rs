@@ -20,12 +20,12 @@ use crate::state::structure::State;
 /// together: rounding can separate the events of mirrored masses by this distance.
 const TOGETHER: f64 = 4.0;
 
-/// What ends a step.
+/// The events that end a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Firings {
     /// Time and reason with which each contact ends the step, if it does.
     pub(super) contacts: Vec<Option<(f64, Firing)>>,
-    /// The same of mechanisms.
+    /// Time and reason with which each mechanism ends the step, if it does.
     pub(super) mechanisms: Vec<Option<(f64, Firing)>>,
     /// The border that each element passes at the end of the step, if it does.
     pub(super) passages: Vec<Option<Passage>>,

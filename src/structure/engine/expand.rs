@@ -188,7 +188,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     }
 }
 
-/// All orders after the first of simple contacts, four side by side.
+/// Computes all orders after the first of simple contacts, four side by side.
 fn expand_groups(model: &Model<'_>, series: &mut Series) {
     // Without the forces of springs, which are added below.
     for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
@@ -419,7 +419,7 @@ fn all_of(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>)
     }
 }
 
-/// The same for a coordinate of any kind.
+/// Computes order k of a coordinate of any kind.
 #[inline(never)]
 fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) {
     let Series {

@@ -61,7 +61,7 @@ impl Factor {
         Self::with_diagonal(&|_| 1.0, rows)
     }
 
-    /// The same with another diagonal, by the number of the row.
+    /// Factorises a matrix with another diagonal, by the number of the row.
     ///
     /// # Errors
     ///
@@ -120,7 +120,7 @@ impl Factor {
         self.solve_all(x.as_chunks_mut::<1>().0);
     }
 
-    /// The same for several right-hand sides, side by side.
+    /// Solves for several right-hand sides, side by side.
     pub(crate) fn solve_all<const W: usize>(&self, x: &mut [[f64; W]]) {
         for (i, row) in self.rows.iter().enumerate() {
             let mut sum = [0.0; W];

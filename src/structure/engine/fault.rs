@@ -12,7 +12,7 @@ pub(super) enum LawFault {
     NotAnalytic {
         speed: f64,
     },
-    /// Of a force element, or of a part of the load of contact `pressed`.
+    /// The force of an element, or a part of the load of contact `pressed`, is not finite.
     NonFiniteForce {
         element: usize,
         pressed: Option<usize>,
@@ -25,7 +25,7 @@ pub(super) enum LawFault {
         pressed: Option<usize>,
         position: f64,
     },
-    /// Of the law of a first-order state.
+    /// The rate from the law of a first-order state is not finite.
     NonFiniteRate {
         state: usize,
         position: f64,

@@ -37,7 +37,7 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 /// see [`Waves`].
 const AT_A_TIME: usize = 4;
 
-/// All groups: those of coordinates and their own contacts, then those of [all other
+/// The groups of coordinates and their own contacts, then those of [all other
 /// contacts](Model::unowned).
 #[derive(Debug, Clone)]
 pub(super) struct Groups {
@@ -51,7 +51,7 @@ pub(super) struct Groups {
 /// The data that are constant in a motion.
 #[derive(Debug, Clone)]
 struct Fixed {
-    /// Those of each group of coordinates.
+    /// Data of each group of coordinates.
     rows: Vec<Rows>,
     /// The directions b of each group of contacts without a coordinate of their own.
     directions: Vec<Columns>,
@@ -132,7 +132,7 @@ pub(super) struct Member<'g> {
 /// The list of orders in [`each_order`] is complete.
 const _: () = assert!(ALL == 26);
 
-/// All orders after the first, written out: a tenth faster than a loop. In one function they would
+/// Writes out all orders after the first: a tenth faster than a loop. In one function they would
 /// take several times as long to compile as in five.
 macro_rules! each_order {
     ($fixed:ident, $series:ident, $start:ident) => {
@@ -321,7 +321,7 @@ impl Groups {
         }
     }
 
-    /// All orders after the first.
+    /// Computes all orders after the first.
     pub(super) fn expand(&mut self) {
         let (fixed, series) = (&self.fixed, &mut self.series);
         // Code for contacts without memory that have a coordinate each is faster.
@@ -358,7 +358,7 @@ impl Member<'_> {
         motion.set(|k| numbers[k][lane % LANES]);
     }
 
-    /// The same of a contact that slips, and of its memory from order 1 on.
+    /// Copies the series of a contact that slips, and of its memory, from order 1 on.
     pub(super) fn give_slip(&self, of: &mut ContactSeries) {
         let lane = self.slot.lane % LANES;
         let (speeds, friction) = (&mut of.speeds, &mut of.friction);
@@ -375,8 +375,8 @@ impl Member<'_> {
         }
     }
 
-    /// The same of the force in an elastic contact, and of the speed of its slider, from order 2
-    /// on. The last coefficient of the speed remains 0.
+    /// Copies the series of the force in an elastic contact, and of the speed of its slider, from
+    /// order 2 on. The last coefficient of the speed remains 0.
     pub(super) fn give_spring(&self, of: &mut ContactSeries) {
         let lane = self.slot.lane % LANES;
         let (speeds, stiffness) = (&self.group.speeds, self.group.stiffness[lane]);
@@ -391,7 +391,7 @@ impl Member<'_> {
         }
     }
 
-    /// The same of the force in a contact, from order 1 on.
+    /// Copies the series of the force in a contact from order 1 on.
     pub(super) fn give_carried(&self, carried: &mut PowerSeries) {
         let lane = self.slot.lane % LANES;
         for k in 1..TERMS {
@@ -435,7 +435,7 @@ impl Waves {
         }
     }
 
-    /// Where the waves of so many orders begin.
+    /// The places at which the waves of so many orders begin.
     pub(super) fn starts(self, orders: usize) -> impl Iterator<Item = usize> {
         (0..self.count + orders * self.shift).step_by(self.at_a_time)
     }
@@ -450,7 +450,8 @@ impl Waves {
 }
 
 impl GroupSeries {
-    /// All orders after the first, with memories and contacts without a coordinate of their own.
+    /// Computes all orders after the first, with memories and contacts without a coordinate of
+    /// their own.
     #[inline(always)]
     fn all_orders<const CHOSEN: bool>(&mut self, fixed: &Fixed) {
         for start in fixed.waves.starts(ALL - 1) {
@@ -584,9 +585,9 @@ impl GroupSeries {
     }
 }
 
-/// After order k of the laws of a chunk, sets coefficient k + 1 of their memories. On a slow
-/// manifold it first corrects coefficient k, once; then it returns false: the order has to be
-/// computed again.
+/// Sets coefficient k + 1 of the memories of a chunk, after order k of its laws. On a slow manifold
+/// it first corrects coefficient k, once; then it returns false: the order has to be computed
+/// again.
 #[inline(never)]
 fn memory_order(chunk: &mut Chunk, k: usize, relaxation: &Lanes, is_relaxed: &mut bool) -> bool {
     let is_last = std::mem::replace(is_relaxed, true) || *relaxation == [0.0; LANES];

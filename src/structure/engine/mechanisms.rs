@@ -34,7 +34,7 @@ pub(crate) struct Resting {
 /// Contacts that depend on each other.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
-    /// Those of the base first.
+    /// The contacts of the group, those of the base first.
     pub(super) contacts: Vec<usize>,
     /// s of each contact, by rows, from s of the base; in units of √G_cc.
     rows: DMatrix<f64>,
@@ -135,7 +135,7 @@ impl Resting {
         }
     }
 
-    /// All mechanisms of groups.
+    /// Returns all mechanisms of groups.
     pub(super) fn mechanisms(&self) -> Result<Vec<Mechanism>, TooMany> {
         let mut all = Vec::new();
         for group in &self.groups {
@@ -144,9 +144,9 @@ impl Resting {
         Ok(all)
     }
 
-    /// Forces that the contacts of groups may carry, from those of the base and the bounds, by the
-    /// number of the contact, in the units of the base: of all that are possible, those of least
-    /// Σ (λ_c/B_c)².
+    /// Possible forces of the contacts of groups, from the forces of the base and the bounds, with
+    /// the number of each contact, in the units of the base. Of all possible forces, those with the
+    /// least Σ (λ_c/B_c)² are returned.
     pub(crate) fn shares(
         &self,
         force: impl Fn(usize) -> f64,
@@ -225,7 +225,7 @@ impl Group {
     /// the bound on the side of s_c.
     fn shares(&self, forces: &DVector<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
         const MOST_ROUNDS: usize = 100;
-        /// What carries a share without a bound carries so much more than the others.
+        /// Factor by which a contact whose share has no bound carries more than the others.
         const UNBOUNDED: f64 = 1e4;
         let rank = self.rows.ncols();
         let finite = bounds.iter().map(|&bounds| larger_finite(bounds));
@@ -396,8 +396,8 @@ impl Mechanism {
         deciding(&distance, self.bound(model, series, side))
     }
 
-    /// Returns true if it stays on its bound up to a time t after the start of the step, within
-    /// rounding.
+    /// Returns true if the mechanism stays on its bound up to a time t after the start of the step,
+    /// within rounding.
     pub(super) fn stays_along(&self, model: &Model<'_>, series: &Series, t: f64) -> bool {
         let Edge::Along(side) = self.edge else {
             return false;

@@ -110,7 +110,7 @@ pub(super) struct Engine<'s> {
     series: Series,
     control: Control,
     firings: Firings,
-    /// Those of the contacts now.
+    /// The present modes of the contacts.
     modes: Arc<Modes>,
     /// Steps of no length, one after the other.
     idle: usize,

@@ -34,7 +34,7 @@ pub(crate) struct Model<'s> {
     pub(crate) stiffness: Sparse,
     /// M⁻¹C.
     pub(crate) damping: Sparse,
-    /// Both, M⁻¹K beside M⁻¹C.
+    /// M⁻¹K beside M⁻¹C.
     linear: SparsePair,
     /// M⁻¹.
     pub(crate) inverse_mass: Sparse,
@@ -50,7 +50,7 @@ pub(crate) struct Model<'s> {
     of_contacts: usize,
     /// The contacts whose laws creep: see [`ContactLaw::creeps`](crate::ContactLaw::creeps).
     pub(super) creeping: Vec<usize>,
-    /// Of all contacts, shared with the steps of motions.
+    /// Kinematics of all contacts, shared with the steps of motions.
     pub(super) kinematics: Arc<[Kinematics]>,
     /// The number of the contact that a coordinate has to itself.
     pub(crate) owner: Vec<Option<usize>>,
@@ -571,7 +571,7 @@ impl<'s> Model<'s> {
         self.contacts[contact].memory.clone()
     }
 
-    /// All functions of time that act on it.
+    /// The functions of time that act on the element.
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();
         let of_contacts = contacts.flat_map(|contact| [&*contact.load, &*contact.belt_velocity]);

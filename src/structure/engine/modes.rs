@@ -132,8 +132,8 @@ impl Modes {
         self.limit(time, At::Before, displacements, memory);
     }
 
-    /// The same at an end of a step, where the engine has set all that does not depend on the time:
-    /// its clock is finer than the time of a state.
+    /// Sets the numbers that depend on the time, at an end of a step. The engine has set all
+    /// others: its clock is finer than the time of a state.
     pub(super) fn put_at_end(&self, time: f64, at: At, coordinates: usize, numbers: &mut [f64]) {
         let (displacements, others) = numbers.split_at_mut(coordinates);
         let (velocities, memory) = others.split_at_mut(coordinates);

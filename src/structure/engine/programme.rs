@@ -117,7 +117,8 @@ fn walk(model: &Model<'_>, series: &Series, unknowns: &mut [Unknown]) -> Result<
     walk_from(model, series, unknowns, (Some(free), Vec::new()))
 }
 
-/// The same from given accelerations and choices, with contacts that cannot rest with the others.
+/// Solves the programme from given accelerations and choices, with contacts that cannot rest with
+/// the others.
 fn walk_from(
     model: &Model<'_>,
     series: &Series,
@@ -373,7 +374,7 @@ impl Unknown {
         }
     }
 
-    /// Returns true if it may slip in the direction of its acceleration without friction.
+    /// Returns true if the contact may slip in the direction of its acceleration without friction.
     fn may_slip_freely(&self) -> bool {
         self.most(side_of(self.free)) != f64::INFINITY
     }

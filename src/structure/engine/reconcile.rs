@@ -172,7 +172,7 @@ pub(super) fn hold_left_out(
     true
 }
 
-/// Contacts at rest to the bit.
+/// Sets the velocities of contacts at rest to those of their surfaces, to the bit.
 fn hold(situation: &mut Situation, series: &Series, pivots: &[Pivot]) {
     for pivot in pivots {
         let surface = |c: usize| series.contacts[c].surface[0];

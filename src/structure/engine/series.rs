@@ -34,7 +34,7 @@ pub(super) struct Series {
     /// there are no force elements and no first-order states. A stop that is closed acts on no
     /// group.
     pub(super) groups: Option<Groups>,
-    /// For a coordinate that slips alone.
+    /// The expander of a coordinate that slips alone.
     pub(super) expander: Expander,
 }
 

@@ -45,7 +45,7 @@ pub(super) struct Decision {
 /// A contact with r = 0, in the units of its [`Unknown`].
 #[derive(Debug, Clone)]
 struct Candidate {
-    /// Its state in stick.
+    /// The state of the contact in stick.
     resting: ContactState,
     /// The static limits and the kinetic ones, backward and forward.
     limits: [f64; 2],
@@ -362,8 +362,8 @@ impl Decision {
         }
     }
 
-    /// After an expansion: contacts whose law never sticks that continue in the other direction.
-    /// Returns true if there are any.
+    /// Turns contacts whose law never sticks, and that continue in the other direction after an
+    /// expansion. Returns true if there are any.
     pub(super) fn turn_back(model: &Model<'_>, situation: &mut Situation, series: &Series) -> bool {
         let mut changed = false;
         for &c in &model.shared {
@@ -381,7 +381,7 @@ impl Decision {
         changed
     }
 
-    /// After an expansion: contacts on an edge that leave it. Returns true if there are any.
+    /// Revises contacts on an edge that leave it after an expansion. Returns true if there are any.
     pub(super) fn revise(
         &mut self,
         model: &Model<'_>,
@@ -427,7 +427,7 @@ impl Decision {
         Ok(false)
     }
 
-    /// All contacts and mechanisms on their edges.
+    /// Returns all contacts and mechanisms on their edges.
     fn on_edges(&self, model: &Model<'_>, situation: &Situation, series: &Series) -> Vec<OnEdge> {
         let mut on_edge = Vec::new();
         for (place, unknown) in self.unknowns.iter().enumerate() {
@@ -583,7 +583,7 @@ fn unsolved(reason: Unsolved, model: &Model<'_>, situation: &Situation, series: 
 /// A contact or a mechanism on an edge.
 struct OnEdge {
     of: Of,
-    /// Its contacts, by their places, and the parts with which they slip.
+    /// The contacts of the mechanism, by their places, and the parts with which they slip.
     parts: Vec<(usize, f64)>,
     side: Direction,
     /// Order and value of the coefficient of its distance from there that decides; `None` if all
@@ -599,7 +599,7 @@ enum Of {
 
 /// A contact that slips in the solution of a programme.
 struct Slipping {
-    /// Its place among the candidates.
+    /// Place of the contact among the candidates.
     place: usize,
     side: Direction,
     acceleration: f64,

@@ -12,7 +12,7 @@ pub(crate) struct Sparse {
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     diagonal: f64,
-    /// Its begin and its end among the entries.
+    /// Begin and end of the row among the entries.
     start: usize,
     end: usize,
 }
@@ -113,7 +113,7 @@ pub(super) struct SparsePair {
 #[derive(Debug, Clone)]
 struct PairRow {
     diagonal: [f64; 2],
-    /// Its begin among the entries, the begin of those of the second matrix, and the end.
+    /// Begin of the row among the entries, begin of the entries of the second matrix, and end.
     start: usize,
     middle: usize,
     end: usize,

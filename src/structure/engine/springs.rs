@@ -141,7 +141,7 @@ impl ContactSeries {
         (self.carried[k], self.carried[k + 1]) = (carried[k], carried[k + 1]);
     }
 
-    /// Both limits of an elastic contact are the same.
+    /// Sets both limits of an elastic contact, which are the same.
     fn set_bounds(&mut self, k: usize, bound: f64) {
         for series in &mut self.bounds {
             series[k] = bound;

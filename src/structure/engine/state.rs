@@ -44,7 +44,8 @@ pub(super) struct Closed {
     pub(super) holding: Holding,
     /// A coordinate for each independent contact at rest: see [`Model::pivots`].
     pub(super) pivots: Vec<Pivot>,
-    /// Contacts at rest without one, because they depend, or nearly, on those that have.
+    /// Contacts at rest without a coordinate, because they depend, exactly or nearly, on the
+    /// contacts that have one.
     pub(super) left_out: Vec<usize>,
 }
 
@@ -105,7 +106,7 @@ pub(super) enum Entry {
     /// The contact has reached r = 0, from slip in a direction or by closing. If its force is
     /// within rounding of the edge of its band, it counts as on the edge.
     Arrived(Option<Direction>),
-    /// It is on a breakpoint of its law, and the piece is decided.
+    /// The contact is on a breakpoint of its law, and the piece is decided.
     OnBreakpoint,
 }
 
@@ -122,7 +123,7 @@ pub(super) enum Firing {
     Load,
 }
 
-/// What happened at the end of a step, or at the start of the motion.
+/// The disturbance at the end of a step, or at the start of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Disturbance {
     None,
@@ -133,7 +134,7 @@ pub(super) enum Disturbance {
 }
 
 impl Situation {
-    /// Not yet decided.
+    /// The situation at a start, with modes that are not yet decided.
     pub(super) fn new(model: &Model<'_>, clock: Clock, start: &State) -> Self {
         let coordinates = std::iter::zip(&start.displacements, &start.velocities);
         let coordinates = coordinates.map(|(&displacement, &velocity)| Coordinate {

@@ -59,7 +59,7 @@ pub(super) fn land(
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
         series.contacts[c].relaxation = 0.0;
-        // Otherwise nothing has changed for this contact since it decided.
+        // In all other cases nothing has changed for this contact since its mode was decided.
         if h > 0.0 || jumps || firing.is_some() {
             let fired = land_contact(model, situation, series, c, firing, (settled, jumps));
             if fired && disturbance == Disturbance::None {
@@ -108,7 +108,8 @@ fn slide_on(model: &Model<'_>, situation: &mut Situation, series: &Series, time:
     }
 }
 
-/// The same of one contact, and of the coordinate that it holds. Returns true if it has an event.
+/// Moves one contact, and the coordinate that it holds, to the end of the step. Returns true if the
+/// contact has an event.
 fn land_contact(
     model: &Model<'_>,
     situation: &mut Situation,
