@@ -11,7 +11,8 @@ use num_complex::Complex;
 
 use super::branch::BranchEnd;
 use super::form::GeneralForm;
-use super::map::{CLOSED, PeriodMap, period_map, vector};
+use super::map::run::period_map;
+use super::map::{CLOSED, PeriodMap, vector};
 use super::oscillator::{Family, FamilyMember};
 use super::passage::{Events, events_of, held_steps};
 use super::period::Period;
@@ -83,7 +84,7 @@ const MOST_STEPS: usize = 16;
 const NEARBY: f64 = 1e-3;
 const CONVERGING: f64 = 0.25;
 
-/// They have converged, to rounding or nearly, if the last one is below this size.
+/// Newton's steps have converged, to rounding or nearly, if the last one is below this size.
 const CONVERGED: f64 = 1e-9;
 
 /// A step above this size has the derivative by the parameter computed again.

@@ -3,7 +3,8 @@
 use nalgebra::DVector;
 
 use super::form::GeneralForm;
-use super::map::{CLOSED, PeriodMap, period_map, state, vector};
+use super::map::run::period_map;
+use super::map::{CLOSED, PeriodMap, state, vector};
 use crate::numerics::least_norm::conserving;
 
 /// The distance of the neighbour that is tried, in units of the sizes. A fold or a pitchfork has a

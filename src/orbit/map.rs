@@ -1,5 +1,7 @@
 //! The period map, from the state at the start of a period to the state at its end, and its
-//! derivative.
+//! derivative: the equations that close a motion, their units and the multipliers.
+
+pub(super) mod run;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -7,14 +9,9 @@ use num_complex::Complex;
 use super::form::GeneralForm;
 use super::hold::{Hold, Touch};
 use super::multipliers::multipliers;
-use super::passage::modes_after;
-use super::tangent::{TangentFlow, flow_of};
-use super::translation::{Translation, Turning, translations};
-use super::unslipped::{Unslipped, never_slips, slip_by_rounding, unslipped};
-use crate::clock::Clock;
-use crate::error::Error;
-use crate::friction::memory::Slip;
-use crate::motion::{Event, Integrator, Mode, Segment};
+use super::translation::{Translation, Turning};
+use super::unslipped::Unslipped;
+use crate::motion::{Event, Mode, Segment};
 use crate::numerics::least_norm::directions;
 use crate::state::structure::State;
 use crate::structure::Step;
@@ -617,163 +614,6 @@ pub(super) fn state(vector: &DVector<f64>, n: usize) -> State {
     State::new(&numbers[..n], &numbers[n..2 * n]).with_memory(&numbers[2 * n..])
 }
 
-impl GeneralForm<'_> {
-    /// The motion from a state at time 0 over a duration, with its derivative with respect to that
-    /// state.
-    pub fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
-        period_map(self, 0.0, start, duration)
-    }
-}
-
-/// The period map over a duration from a state at a time.
-pub(super) fn period_map(
-    form: &GeneralForm<'_>,
-    time: f64,
-    start: &State,
-    duration: f64,
-) -> Result<PeriodMap, Error> {
-    held_period_map(form, (time, start), duration, &[])
-}
-
-/// The same with contacts held past touches.
-pub(super) fn held_period_map(
-    form: &GeneralForm<'_>,
-    (time, start): (f64, &State),
-    duration: f64,
-    holds: &[Hold],
-) -> Result<PeriodMap, Error> {
-    let (n, order) = (form.len(), form.order());
-    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
-    let end_time = time + duration;
-    let identity = DMatrix::identity(order, order);
-    let mut flow = TangentFlow::new(form, settings, (time, start), holds, identity)?;
-    let mut steps: Vec<Step> = Vec::new();
-    let mut first_flow = None;
-    // The derivative from the start to the cut, after which `flow.tangents` begin again, and the
-    // flow at the cut.
-    let mut head = (DMatrix::identity(order, order), DVector::zeros(order));
-    let mut held = Vec::new();
-    let mut dead = 0;
-    while steps.last().is_none_or(|step| step.end_time() < end_time) {
-        let Some(step) = flow.fetch(end_time) else {
-            break;
-        };
-        let step = step?;
-        // Within a phase nothing vanishes.
-        if step.duration() > 0.0 && flow.is_finished() {
-            let rates = flow_of(&step, n);
-            let rows = dead_rows(&flow.tangents);
-            let sticking = held_by(form, step.modes());
-            let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.is_held(row);
-            let now = rows.iter().enumerate().filter(dead_alone).count()
-                + sticking.len()
-                + forgetting(form, step.modes());
-            if first_flow.is_none() || now > dead {
-                let alive = rows.iter().map(|dead| f64::from(u8::from(!dead)));
-                let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
-                let since = flow.replace(alive);
-                head = (since * head.0, rates.clone());
-                (dead, held) = (now, sticking);
-            }
-            first_flow.get_or_insert(rates);
-        }
-        flow.carry(&step)?;
-        steps.push(step);
-    }
-    flow.finish()?;
-    let Some(last) = steps.last() else {
-        return Err(Error::InvalidDuration { value: duration });
-    };
-    let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
-    let mut monodromy = &flow.tangents * &head.0;
-    let mut cycle = head.0 * &flow.tangents;
-    let mut depends = flow.depends.clone();
-    // The clock of a contact that never slips runs on, and only its limit follows.
-    for c in (0..form.contacts()).filter(|&c| form.holds(c) && never_slips(&steps)(c)) {
-        depends[form.model.memory(c)].fill(false);
-    }
-    for (j, depends) in depends.iter().enumerate() {
-        if !depends {
-            cycle.row_mut(2 * n + j).fill(0.0);
-            cycle.column_mut(2 * n + j).fill(0.0);
-        }
-    }
-    let end_modes = modes_after(last, || flow.fetch(f64::INFINITY))?;
-    let translations = translations(form, never_slips(&steps));
-    let [from, to] = [start, &end].map(|state| vector(state, order));
-    let mut moved = &to - &from;
-    let mut flows = [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow];
-    for translation in &translations {
-        translation.remove_from(moved.as_mut_slice());
-        for flow in flows.iter_mut().chain([&mut head.1]) {
-            translation.remove_from(flow.as_mut_slice());
-        }
-        if !translation.is_held {
-            translation.remove_from_columns(&mut monodromy);
-            translation.remove_from_columns(&mut cycle);
-        }
-    }
-    let (translation, end) = if translations.is_empty() {
-        (DVector::zeros(n), end)
-    } else {
-        let back = from + moved;
-        ((to - &back).rows(0, n).into_owned(), state(&back, n))
-    };
-    let unslipped = unslipped(form, &steps, [start, &end]);
-    let slip_by_rounding = slip_by_rounding(form, &steps, &translation);
-    Ok(PeriodMap {
-        translations,
-        translation,
-        slip_by_rounding,
-        boosts: form.freedom().velocities.clone(),
-        unslipped,
-        touches: flow.touches().to_vec(),
-        is_friction_even: is_friction_even(form, &steps),
-        start: start.clone(),
-        end_modes,
-        monodromy,
-        flow: flows,
-        depends,
-        memory_units: form.memory_units(),
-        cycle: (cycle, head.1),
-        held,
-        end,
-        steps,
-    })
-}
-
-/// Returns true if the limits of stick and the friction of slip are the same in both directions, at
-/// the starts of all steps. Laws with memory are not asked: their memory has directions, too.
-fn is_friction_even(form: &GeneralForm<'_>, steps: &[Step]) -> bool {
-    const ROUNDING: f64 = 1e-12;
-    let is_same = |[a, b]: [f64; 2]| (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
-    let mut contacts = form.model.contacts.iter();
-    contacts.all(|contact| {
-        let [backward, forward] = [-1.0, 1.0].map(|direction| contact.law.dry_slip(direction));
-        let is_one_law =
-            matches!((backward, forward), (Some(a), Some(b)) if std::ptr::addr_eq(a, b));
-        if is_one_law || contact.is_elastic() || !contact.memory.is_empty() {
-            return true;
-        }
-        contact.law.limits(&|_| 0.0).is_none_or(is_same)
-            && steps.iter().all(|step| {
-                let (time, velocities) = (step.start_time(), &step.state().velocities);
-                let surface = contact.belt_velocity.at(Clock::at(time));
-                let relative = contact.sliding_velocity(|j| velocities[j], surface, time);
-                let speed = relative.abs();
-                let piece = contact.piece_above(speed);
-                is_same([-1.0, 1.0].map(|direction| {
-                    let slip = Slip {
-                        speed,
-                        direction,
-                        piece,
-                    };
-                    direction * contact.law.coefficient(slip, &|_| 0.0)
-                }))
-            })
-    })
-}
-
 /// The start of a closed motion with the memory of contacts that slip as it is after a release,
 /// where nothing depends on this memory; `None` if it is so already. Newton's method leaves such a
 /// memory as any of its trials had it.
@@ -790,33 +630,6 @@ pub(super) fn released(form: &GeneralForm<'_>, map: &PeriodMap) -> Option<State>
     (start.memory != map.start.memory).then_some(start)
 }
 
-/// The period map of the same closed motion with another start, if the start is so near to an event
-/// that rounding decides on which side of the event the end lies; otherwise `None`.
-pub(super) fn begun_apart(
-    form: &GeneralForm<'_>,
-    map: &PeriodMap,
-    period: f64,
-) -> Result<Option<PeriodMap>, Error> {
-    /// Part of the period within which an event is near.
-    const NEAR: f64 = 1e-6;
-    let events = map.steps.iter().flat_map(Segment::events);
-    let mut times = events.map(|event| event.time);
-    let near = NEAR * period..(1.0 - NEAR) * period;
-    let is_near = |time: f64| !near.contains(&(time - map.begins()));
-    if !times.any(is_near) && map.first_modes() == Some(&map.end_modes[..]) {
-        return Ok(None);
-    }
-    let time = longest_pause(map, map.begins(), map.begins() + period);
-    let step = map.steps.iter().find(|step| step.end_time() > time);
-    let Some(step) = step else {
-        return Ok(None);
-    };
-    let mut state = step.state_at(step.since_start(time));
-    form.put_in_modes(&mut state, time, &|c| Some(step.modes()[c]));
-    let holds = map.holds_later(time - map.begins(), period);
-    held_period_map(form, (time, &state), period, &holds).map(Some)
-}
-
 /// The middle of the longest time without an event or a touch between two times.
 pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
     let mut last = from;
@@ -824,59 +637,4 @@ pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
     let gaps = times.map(|time| (std::mem::replace(&mut last, time), time));
     let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     gap.map_or(from, |(from, to)| 0.5 * (from + to))
-}
-
-/// Perturbations of the start of a motion, carried on to a time.
-pub(super) fn carried(
-    form: &GeneralForm<'_>,
-    map: &PeriodMap,
-    tangents: DMatrix<f64>,
-    time: f64,
-) -> Result<DMatrix<f64>, Error> {
-    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
-    let start = (map.begins(), &map.start);
-    let mut flow = TangentFlow::new(form, settings, start, &[], tangents)?;
-    while let Some(step) = flow.fetch(time) {
-        let step = step?;
-        flow.carry(&step)?;
-        if step.end_time() >= time {
-            break;
-        }
-    }
-    flow.finish()?;
-    Ok(flow.tangents)
-}
-
-/// The directions of sticking contacts that share coordinates, as rows for states.
-fn held_by(form: &GeneralForm<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
-    let model = &form.model;
-    let sticking = model.shared.iter().filter(|&&c| modes[c] == Mode::Stick);
-    let rows = sticking.map(|&c| {
-        let mut row = DVector::zeros(form.order());
-        for &(j, b) in model.contacts[c].direction.iter() {
-            row[form.len() + j] = b;
-        }
-        row
-    });
-    rows.collect()
-}
-
-/// The number of elastic contacts that do not stick: their forces do not depend on their past.
-fn forgetting(form: &GeneralForm<'_>, modes: &[Mode]) -> usize {
-    let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
-    elastic.filter(|&c| modes[c] != Mode::Stick).count()
-}
-
-/// True for each row that is all zero, so that perturbations of this coordinate have vanished.
-fn dead_rows(matrix: &DMatrix<f64>) -> Vec<bool> {
-    let rows = matrix.row_iter();
-    rows.map(|row| row.iter().all(|x| *x == 0.0)).collect()
-}
-
-/// The rates of change of all numbers at the end of a step.
-fn flow_at_end(step: &Step, n: usize) -> DVector<f64> {
-    let velocities = step.end_state().velocities;
-    let rates = step.series().iter();
-    let rates = rates.map(|series| series.derivative().at(step.duration()));
-    DVector::from_iterator(n + step.series().len(), velocities.into_iter().chain(rates))
 }

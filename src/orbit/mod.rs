@@ -9,7 +9,7 @@
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `phase.rs` | steps with the same constant coefficients, which one matrix exponential carries |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
-// | `map.rs` | the period map with its derivative, the monodromy matrix |
+// | `map.rs`, `map/run.rs` | the period map with its derivative, the monodromy matrix; runs that compute it |
 // | `passage.rs` | motions over a duration without derivatives |
 // | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
 // | `family.rs` | the directions of a continuous family of motions |
@@ -39,7 +39,7 @@
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `poincare.rs` | `section`, `section_at`: Poincaré sections |
-// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events, in any order if they happen at one instant (`variation.rs`) |
+// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences (`variation.rs`) between motions with the same events, in any order if they happen at one instant (`neighbour.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
 //! Periodic motions of any system ([`MassOnBelt`](crate::MassOnBelt) or

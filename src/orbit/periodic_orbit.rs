@@ -9,7 +9,8 @@ use num_complex::Complex;
 use super::family::families;
 use super::form::GeneralForm;
 use super::half_map::HalfMap;
-use super::map::{self, carried};
+use super::map;
+use super::map::run::{self, carried};
 use super::measures::{Contact, Coordinate, Measures};
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -105,7 +106,7 @@ struct Properties {
 impl Properties {
     fn of(form: &GeneralForm<'_>, found: &TrialMotion, kind: Period) -> Result<Self, Error> {
         let (map, period) = (&found.map, found.period);
-        let apart = map::begun_apart(form, map, period)?;
+        let apart = run::begun_apart(form, map, period)?;
         let begun = apart.as_ref().unwrap_or(map);
         let is_free = matches!(kind, Period::Free(_));
         let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 
 use super::form::{GeneralForm, Rhythm};
+use super::map::run;
 use super::map::{self, CLOSED, SINGULAR, state, vector};
 use super::oscillator::Oscillator;
 use super::passage::reach;
@@ -156,7 +157,7 @@ impl<'s> Problem<'s> {
                 None => found,
             };
             // A start with nearly the belt's velocity can slip although the end sticks.
-            let apart = map::begun_apart(self.form, &found.map, found.period)?;
+            let apart = run::begun_apart(self.form, &found.map, found.period)?;
             return match apart {
                 Some(apart) if !apart.is_nearly_closed() => {
                     Err(TrialMotion::new(apart, found.period).not_periodic())
@@ -320,7 +321,7 @@ pub(super) fn search(
     // Where the flow jumps at the guess, an event, Newton's method may find no way. A free motion
     // can begin elsewhere.
     let apart = problem.section.as_ref();
-    let apart = apart.map(|_| map::begun_apart(form, &first.map, first.period));
+    let apart = apart.map(|_| run::begun_apart(form, &first.map, first.period));
     match apart.transpose()?.flatten() {
         Some(apart) => find(form, &apart.start, period),
         None => Err(failure),

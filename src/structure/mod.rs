@@ -10,7 +10,7 @@
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
 // | `carried.rs` | `Carried`: the friction force of a contact, or its range |
 // | `energy.rs` | energies, work and heat |
-// | `steady.rs`, `sliding_field.rs` | steady sliding and its eigenvalues; the equations near it |
+// | `steady.rs`, `sliding_field` | steady sliding and its eigenvalues; the equations near it |
 // | `steady_at.rs` | steady sliding at given velocities |
 // | `equilibrium.rs` | its displacements, by Newton's method where forces are nonlinear |
 // | `freedom.rs` | directions in which a structure can be moved without any change of a force |

@@ -10,7 +10,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::form::GeneralForm;
 use super::super::half_map::{Balance, HalfMap};
-use super::super::map::{PeriodMap, held_period_map, vector};
+use super::super::map::run::held_period_map;
+use super::super::map::{PeriodMap, vector};
 use super::super::oscillator::FamilyOfTwo;
 use super::super::passage::{StepsAndTouches, events_of, held_steps};
 use super::super::period::Period;
@@ -25,8 +26,8 @@ use crate::state::structure::State;
 pub(super) struct Motions<'f> {
     pub(super) family: &'f FamilyOfTwo<'f>,
     pub(super) kind: Period,
-    /// For symmetric motions that are closed by their half-period map: this map, and the forces
-    /// that determine its centre.
+    /// The half-period map of symmetric motions that are closed by it, and the forces that
+    /// determine its centre.
     pub(super) half: Option<(HalfMap, Balance)>,
     pub(super) widths: [f64; 2],
     pub(super) n: usize,
@@ -141,7 +142,8 @@ impl<'f> Motions<'f> {
         })
     }
 
-    /// The same, not watched and not counted: a search that is stopped keeps its results.
+    /// Gives the form of a system to a function, not watched and not counted: a search that is
+    /// stopped keeps its results.
     pub(super) fn with_form<T>(
         &self,
         [first, second]: [f64; 2],

@@ -1,16 +1,19 @@
 //! Derivatives with respect to parameters: of motions, of the times of events, and of periodic
 //! motions.
 
+mod neighbour;
 mod variation;
 
 use std::cell::{Cell, RefCell};
 
 use nalgebra::{DMatrix, DVector};
 
-use self::variation::{Run, Variation};
+use self::neighbour::Run;
+use self::variation::Variation;
 use super::form::GeneralForm;
 use super::map::SINGULAR;
-use super::map::{PeriodMap, longest_pause, period_map, state, vector};
+use super::map::run::period_map;
+use super::map::{PeriodMap, longest_pause, state, vector};
 use super::oscillator::{FamilyMember, Oscillator, member};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
@@ -172,7 +175,7 @@ impl<'w> Work<'w> {
         }
     }
 
-    /// What a function finds on one system, whose steps are counted.
+    /// Calls a function on one system, whose steps are counted.
     fn with<T>(
         &self,
         form: GeneralForm<'_>,
