@@ -9,11 +9,12 @@ use stick_slip::{
     AnyContactLaw, AnyLaw, Backlash, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction,
     Directional, Drive, Dwell, Error, Event, EventKind, Exponential, FirstOrder, ForceElement,
     ForceLaw, Freewheel, FrictionLaw, Iwan4, LimitCycle, LuGre, MassOnBelt, Mode, Pendulum,
-    Physical, Polynomial, PolynomialSpring, RateState, RateState2, Rational, Scalar, Scaled,
-    Scaling, SnapThrough, Stability, State, Stop, Stribeck, Structure, Tabulated, TabulatedForce,
+    Polynomial, PolynomialSpring, RateState, RateState2, Rational, Scalar, Scaled, Scaling,
+    SnapThrough, Stability, State, Stop, Stribeck, Structure, Tabulated, TabulatedForce,
     TimeFunction, VanDerPol, limit_cycle, structure,
 };
 
+use stick_slip_tests_common::masses::PAD;
 use stick_slip_tests_common::{on_belt, one_mass};
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -57,14 +58,7 @@ fn table() -> Tabulated {
 }
 
 fn brake() -> Scaling {
-    Scaling::new(Physical {
-        mass: 2.0,
-        stiffness: 5000.0,
-        damping: 4.0,
-        normal_force: 20.0,
-        belt_velocity: 0.05,
-    })
-    .unwrap()
+    Scaling::new(PAD).unwrap()
 }
 
 #[test]

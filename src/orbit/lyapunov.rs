@@ -269,8 +269,8 @@ impl GrowthParts {
         self.transient + self.duration
     }
 
-    /// Adds the growth up to a time; returns true if the perturbation has not decayed to zero. Of a
-    /// step that begins before the duration, or ends after it, the part inside counts.
+    /// Adds the growth up to a time; returns true if the perturbation has not decayed to zero. If a
+    /// step begins before the duration, or ends after it, only its part inside counts.
     fn add(&mut self, time: f64, logarithm: f64) -> bool {
         let since = std::mem::replace(&mut self.since, time);
         let (from, to) = (since.max(self.transient), time.min(self.end()));

@@ -52,7 +52,7 @@ fn draws<const N: usize>(seed: u64) -> impl Iterator<Item = ([f64; N], bool)> {
         let numbers = std::array::from_fn(|_| bad(&mut random));
         (numbers, numbers.iter().any(|x| x.is_nan()))
     })
-    .take(count(2_000, 100_000))
+    .take(count(2_000, 40_000))
 }
 
 /// A result that exists has numbers in all its fields, and does not come from a NaN.

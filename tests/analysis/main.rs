@@ -1,6 +1,7 @@
 //! Analytic formulas, against the exact motions.
 
 use stick_slip_tests_common as common;
+use stick_slip_tests_compiled as _;
 
 mod averaging;
 mod duffing;

@@ -10,6 +10,7 @@ pub(crate) mod tables;
 use std::f64::consts::TAU;
 
 use crate::common::Random;
+use crate::common::larger;
 use points::{
     CROSSING, PURE_SLIP, Parameters, Point, STICK_SLIP, halvings, points, raised, system,
 };
@@ -70,7 +71,7 @@ impl Report {
             .filter_map(|r| r.last())
             .copied()
             .fold(0.0, f64::max);
-        let worst = ratios.iter().flatten().copied().fold(0.0, f64::max);
+        let worst = ratios.iter().flatten().copied().fold(0.0, larger);
         self.row(
             name,
             stated,

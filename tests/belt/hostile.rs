@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use crate::common::any::Any;
 use crate::common::orbit::integrate;
-use crate::common::{count, on_belt, ulp};
+use crate::common::{count, larger, on_belt, ulp};
 use cases::{Case, check, magnitude, series, sigma, value};
 use proptest::prelude::*;
 use stick_slip::{
@@ -263,7 +263,7 @@ fn energy_defect(case: &Case, steps: &[Step]) -> f64 {
             rounding += size * case.scale(state);
         }
         let defect = (energy(to) - energy(from) - work).abs();
-        worst = worst.max(defect / (EPS * rounding));
+        worst = larger(worst, defect / (EPS * rounding));
     }
     worst
 }
@@ -482,7 +482,7 @@ fn a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies() {
         };
         let (steps, error) = case.run();
         assert_eq!(error, None);
-        worst = worst.max(energy_defect(&case, &steps));
+        worst = larger(worst, energy_defect(&case, &steps));
     }
     assert!(worst <= 27.0, "{worst} roundings");
 }

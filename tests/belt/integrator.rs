@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::common::formula::Formula;
 use crate::common::simple::{Seen, Simple, told};
 use crate::common::{
-    Decay, Leine, Random, Table, count, exactly, friction_law, on_belt, paper, ulp,
+    Decay, Leine, Random, Table, count, exactly, friction_law, larger, on_belt, paper, ulp,
 };
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Element, Error, Event, EventKind, Exponential, FrictionLaw,
@@ -105,7 +105,7 @@ fn promise_1_hidden_terms_are_not_missed() {
             wrong += 1;
             println!("run {run}: off by {error:.1e}: {system:?}, {start:?}, duration {duration}");
         }
-        worst = worst.max(error);
+        worst = larger(worst, error);
         seen += motion.events().len();
         // The reference itself: steps of half the length leave the difference as it is.
         if run % 50 == 0 {
@@ -366,7 +366,7 @@ fn promise_5_motion_is_continuous_and_ordered_and_repeatable() {
                 .abs()
                 .max((end.velocity - begin.velocity).abs());
             let scale = scale(&system, begin).max(begin.displacement.abs());
-            worst = worst.max(gap / scale);
+            worst = larger(worst, gap / scale);
             assert!(gap <= 1e-14 * scale, "{gap:e} at {step:?}");
             match step.event() {
                 Some(event) => {
@@ -413,7 +413,7 @@ fn promise_6_contact_is_exact_for_large_belt_velocities() {
             .unwrap()
             .events()[0];
         assert_eq!(event.kind, EventKind::Stick);
-        worst = worst.max((event.time / time - 1.0).abs());
+        worst = larger(worst, (event.time / time - 1.0).abs());
     }
     println!(
         "large belt velocities: contact time off by {:.1} EPS at most",
@@ -457,7 +457,7 @@ fn promise_6_time_does_not_drift_over_a_hundred_thousand_cycles() {
         if n > 2 {
             let phase = if n % 2 == 1 { slip } else { 0.0 };
             let expected = (n / 2) as f64 * period + phase;
-            worst = worst.max((event.time - expected).abs() / ulp(event.time));
+            worst = larger(worst, (event.time - expected).abs() / ulp(event.time));
             assert!(
                 worst <= 4.0,
                 "event {n}: {} is {worst} ulp off {expected}",
@@ -689,7 +689,10 @@ fn error_over_a_period<L: FrictionLaw>(system: &MassOnBelt<L>, tolerance: f64) -
     }
     for (a, b) in std::iter::zip(exact.events(), coarse.events()) {
         assert_eq!(a.kind, b.kind);
-        error = error.max((a.time - b.time).abs() * system.belt_velocity().abs());
+        error = larger(
+            error,
+            (a.time - b.time).abs() * system.belt_velocity().abs(),
+        );
     }
     error / largest
 }
@@ -979,7 +982,7 @@ fn breakpoints_are_crossed_upwards_and_downwards() {
     for _ in 0..200 {
         let system = table_system(random.sign() * random.logarithmic(0.1, 1.0));
         let start = State::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
-        worst = worst.max(compare_with_exact(&system, start, 15.0));
+        worst = larger(worst, compare_with_exact(&system, start, 15.0));
         events += system.simulate(start, 15.0).unwrap().events().len();
     }
     println!("breakpoints crossed: {events} events, largest difference {worst:.1e}");
@@ -1038,7 +1041,7 @@ fn breakpoints_are_grazed() {
                         continue;
                     }
                     let start = oscillation(decay, centre, turning, -0.1);
-                    worst = worst.max(compare_with_exact(&system, start, 2.0));
+                    worst = larger(worst, compare_with_exact(&system, start, 2.0));
                 }
             }
         }
@@ -1152,7 +1155,10 @@ fn release_state_releases_at_time_zero() {
                 .abs()
                 .max(release.displacement.abs())
                 .max(v_b.abs());
-            worst = worst.max((a.time - b.time).abs() * before.abs().min(1.0) / size);
+            worst = larger(
+                worst,
+                (a.time - b.time).abs() * before.abs().min(1.0) / size,
+            );
         }
     }
     println!(

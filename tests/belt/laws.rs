@@ -1,7 +1,8 @@
 //! What every friction law must satisfy, and what each of the crate's laws says of itself.
 
+use crate::common::masses::PAD;
 use crate::common::polynomials::Polynomials;
-use crate::common::{Decay, friction_law};
+use crate::common::{Decay, friction_law, larger};
 use approx::assert_abs_diff_eq;
 use stick_slip::{
     AnyLaw, Coulomb, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Physical,
@@ -24,14 +25,6 @@ fn measured() -> [(f64, f64); 6] {
         (1.0, 0.26),
     ]
 }
-
-const PAD: Physical = Physical {
-    mass: 2.0,
-    stiffness: 5000.0,
-    damping: 4.0,
-    normal_force: 20.0,
-    belt_velocity: 0.05,
-};
 
 #[test]
 fn every_law_conforms() {
@@ -498,7 +491,7 @@ fn table_converges_to_the_law_it_was_taken_from() {
         (0..1000)
             .map(|i| last * f64::from(i) / 1000.0)
             .map(|s| (table.kinetic(s) - law.kinetic(s)).abs())
-            .fold(0.0, f64::max)
+            .fold(0.0, larger)
     };
     let errors = [8, 16, 32, 64].map(error);
     for pair in errors.windows(2) {

@@ -11,15 +11,8 @@ use stick_slip::{
     bifurcation, limit_cycle, structure,
 };
 
+use crate::common::masses::PAD;
 use crate::common::{friction_law, refused};
-
-const PAD: Physical = Physical {
-    mass: 2.0,
-    stiffness: 5000.0,
-    damping: 4.0,
-    normal_force: 20.0,
-    belt_velocity: 0.05,
-};
 
 fn law() -> Stribeck {
     Stribeck::new(0.4, 0.25, 0.1, 1).unwrap()

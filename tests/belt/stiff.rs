@@ -2,7 +2,7 @@
 
 use crate::common::any::{cubic, rational};
 use crate::common::simple::{Seen, told};
-use crate::common::{Random, count, on_belt};
+use crate::common::{Random, count, larger, on_belt};
 use crate::radau::{Motion, Radau};
 use stick_slip::{
     AnyLaw, Exponential, FrictionLaw, Integrator, MassOnBelt, Polynomial, Rational, State,
@@ -35,7 +35,7 @@ fn difference<L: FrictionLaw>(
     let times = std::iter::zip(&events, &witness.seen);
     let t = times
         .map(|(a, b)| (a.0 - b.0).abs() / b.0.max(f64::MIN_POSITIVE))
-        .fold(0.0, f64::max);
+        .fold(0.0, larger);
     Ok([s, u, t])
 }
 
@@ -435,7 +435,10 @@ fn loose_tolerances_do_not_make_a_system_stiff() {
             if motion.events().len() == exact.events().len() {
                 let (a, b) = (motion.last(), exact.last());
                 let size = b.displacement.abs().max(system.belt_velocity().abs());
-                worst = worst.max((a.displacement - b.displacement).abs() / size / tolerance);
+                worst = larger(
+                    worst,
+                    (a.displacement - b.displacement).abs() / size / tolerance,
+                );
             }
         }
     }

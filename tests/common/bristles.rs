@@ -7,6 +7,7 @@ use stick_slip::{
     Slip, Stribeck, Structure,
 };
 
+use crate::larger;
 use crate::radau::{Matrix, STAGES, solve, weights};
 use crate::{Random, memory_stays, one_mass};
 
@@ -446,5 +447,5 @@ pub fn apart(block: &Block, a: &[f64; 3], b: &[f64; 3]) -> f64 {
     let scales = [size, fast, block.law.limit / block.law.stiffness];
     (0..3)
         .map(|i| (a[i] - b[i]).abs() / scales[i])
-        .fold(0.0, f64::max)
+        .fold(0.0, larger)
 }

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use stick_slip::{FrictionLaw, Scalar};
+use stick_slip::{Coulomb, FrictionLaw, Scalar};
 
 /// Declares a friction law by its static coefficient, its kinetic one at a sliding speed, and its
 /// breakpoints if it names any; all may use its numbers.
@@ -53,6 +53,11 @@ macro_rules! memory_stays {
             memory
         }
     };
+}
+
+/// μ_s = μ̂(0).
+pub fn even(coefficient: f64) -> Coulomb {
+    Coulomb::new(coefficient, coefficient).unwrap()
 }
 
 friction_law! {

@@ -29,11 +29,11 @@ use std::path::Path;
 use serde_json::Value;
 use stick_slip::structure::Carried;
 use stick_slip::{
-    AnyLaw, Coulomb, Direction, Error, EventKind, Exponential, LimitCycle, MassOnBelt, Polynomial,
-    State,
+    AnyLaw, Coulomb, Direction, Element, Error, Event, EventKind, Exponential, LimitCycle,
+    MassOnBelt, Polynomial, State, Trajectory, structure,
 };
 
-pub use crate::laws::{Counted, Decay, Ends, Leine, Table, TurnsNan};
+pub use crate::laws::{Counted, Decay, Ends, Leine, Table, TurnsNan, even};
 pub use crate::masses::{dwelling, forced, on_belt, one_mass, oscillator, paper};
 pub use crate::worst::{Worst, assert_met};
 
@@ -164,6 +164,37 @@ pub fn some<T, const N: usize>(few: usize, cases: [T; N]) -> impl Iterator<Item 
 /// The force of each contact.
 pub fn forces(carried: &[Carried]) -> Vec<f64> {
     carried.iter().map(|carried| carried.force).collect()
+}
+
+/// The events of a motion of contacts: the contact and the kind of each.
+pub fn keys(motion: &Trajectory<structure::State>) -> Vec<(usize, EventKind)> {
+    let events = motion.events().iter();
+    let key = |event: &Event<structure::State>| (event.contact().unwrap(), event.kind);
+    events.map(key).collect()
+}
+
+/// The events of a motion: the element and the kind of each.
+pub fn element_keys(motion: &Trajectory<structure::State>) -> Vec<(Element, EventKind)> {
+    let events = motion.events().iter();
+    events.map(|event| (event.element, event.kind)).collect()
+}
+
+/// All numbers of a state: displacements, velocities, memory variables.
+pub fn numbers(state: &structure::State) -> Vec<f64> {
+    [&state.displacements, &state.velocities, &state.memory]
+        .map(Vec::as_slice)
+        .concat()
+}
+
+/// The largest difference of two states.
+pub fn apart(a: &structure::State, b: &structure::State) -> f64 {
+    let numbers = std::iter::zip(numbers(a), numbers(b));
+    numbers.map(|(a, b)| (a - b).abs()).fold(0.0, larger)
+}
+
+/// The larger of two numbers; a NaN is larger than all.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// The repository: tests run in the folder of their package.

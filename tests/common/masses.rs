@@ -2,7 +2,18 @@
 
 use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::analysis::forced::ForcedOscillator;
-use stick_slip::{Contact, Coulomb, Drive, Error, FrictionLaw, MassOnBelt, Polynomial, Structure};
+use stick_slip::{
+    Contact, Coulomb, Drive, Error, FrictionLaw, MassOnBelt, Physical, Polynomial, Structure,
+};
+
+/// A brake pad in SI units.
+pub const PAD: Physical = Physical {
+    mass: 2.0,
+    stiffness: 5000.0,
+    damping: 4.0,
+    normal_force: 20.0,
+    belt_velocity: 0.05,
+};
 
 /// A system of which all numbers are right.
 #[track_caller]

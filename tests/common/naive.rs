@@ -146,3 +146,27 @@ impl Question {
         }
     }
 }
+
+/// Solves the programme for the forces of contacts at rest, one contact after the other, again and
+/// again: λ_c = clamp(λ_c + (free_c − Σ G_cd λ_d)/G_cc). One force may be held at its value.
+pub fn relax(
+    compliance: &DMatrix<f64>,
+    free: &DVector<f64>,
+    limits: &[[f64; 2]],
+    carried: &mut DVector<f64>,
+    held: Option<usize>,
+) {
+    for _ in 0..10_000 {
+        let mut moved = 0.0_f64;
+        for c in (0..limits.len()).filter(|&c| held != Some(c)) {
+            let pull = free[c] - compliance.row(c).tr_dot(carried);
+            let next = carried[c] + pull / compliance[(c, c)];
+            let next = next.clamp(-limits[c][0], limits[c][1]);
+            moved = moved.max((next - carried[c]).abs());
+            carried[c] = next;
+        }
+        if moved < 1e-16 {
+            break;
+        }
+    }
+}

@@ -7,7 +7,7 @@ use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::Oscillator;
 use stick_slip::{
     CycleSet, Direction, Error, EventKind, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode,
-    State, Step, limit_cycle, structure,
+    State, Step, Trajectory, limit_cycle, structure,
 };
 
 /// The steps of a motion, and its monodromy matrix: by methods of a supertrait of [`Oscillator`]
@@ -19,6 +19,14 @@ pub fn monodromy(
 ) -> Result<(Vec<structure::Step>, DMatrix<f64>), Error> {
     let map = system.form().period_map(start, duration)?;
     Ok((map.steps().to_vec(), map.monodromy().clone()))
+}
+
+/// The time between the last two sticks of a motion.
+pub fn last_turn(motion: &Trajectory<structure::State>) -> f64 {
+    let sticks = motion.events().iter().rev();
+    let mut sticks = sticks.filter(|event| event.kind == EventKind::Stick);
+    let [last, before] = [sticks.next(), sticks.next()].map(|event| event.unwrap().time);
+    last - before
 }
 
 /// Nodes on [−1, 1] and weights of the Gauss-Legendre rule of 20 points.

@@ -21,6 +21,13 @@ pub struct PlainDrive {
 }
 
 impl PlainDrive {
+    pub fn constant(constant: f64) -> Self {
+        Self {
+            constant,
+            ..Self::default()
+        }
+    }
+
     pub fn at(&self, t: f64, before: bool) -> [f64; 2] {
         let mut sum = [self.constant, 0.0];
         for &[a, omega, phase] in &self.harmonics {
@@ -57,10 +64,7 @@ impl PlainDrive {
 
     /// Of any kind, about as large as `size`.
     fn random(random: &mut Random, size: f64, jumps: bool) -> Self {
-        let mut drive = Self {
-            constant: size * random.uniform(-1.0, 1.0),
-            ..Self::default()
-        };
+        let mut drive = Self::constant(size * random.uniform(-1.0, 1.0));
         for _ in 0..random.bits() % 3 {
             let amplitude = 0.7 * size * random.uniform(-1.0, 1.0);
             drive.harmonics.push([
@@ -218,10 +222,7 @@ impl Plain {
                 continue;
             }
             let base = random.uniform(0.3, 2.0);
-            let mut load = PlainDrive {
-                constant: base,
-                ..PlainDrive::default()
-            };
+            let mut load = PlainDrive::constant(base);
             let mut gradient = vec![0.0; n];
             match random.bits() % 4 {
                 // May open.
@@ -236,10 +237,7 @@ impl Plain {
             }
             let belt = match random.bits() % 3 {
                 0 => PlainDrive::random(random, 0.5, false),
-                1 => PlainDrive {
-                    constant: random.sign() * random.logarithmic(0.03, 1.0),
-                    ..PlainDrive::default()
-                },
+                1 => PlainDrive::constant(random.sign() * random.logarithmic(0.03, 1.0)),
                 _ => PlainDrive::default(),
             };
             contacts.push(PlainContact {
@@ -336,10 +334,7 @@ impl Plain {
                 _ => unit(n, i) - unit(n, j),
             };
             let base = number(random, 0.3, 2.0);
-            let mut load = PlainDrive {
-                constant: base,
-                ..PlainDrive::default()
-            };
+            let mut load = PlainDrive::constant(base);
             let mut gradient = vec![0.0; n];
             match random.bits() % 6 {
                 // May open.
@@ -354,10 +349,7 @@ impl Plain {
             }
             let belt = match random.bits() % 6 {
                 0 => PlainDrive::random(random, 0.5, false),
-                1 | 2 => PlainDrive {
-                    constant: random.sign() * number(random, 0.05, 0.8),
-                    ..PlainDrive::default()
-                },
+                1 | 2 => PlainDrive::constant(random.sign() * number(random, 0.05, 0.8)),
                 _ => PlainDrive::default(),
             };
             let law = match random.bits() % 4 {

@@ -4,6 +4,7 @@ use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::{State, Step};
 use stick_slip::{AnyLaw, FrictionLaw, Mode, Segment, Structure, Trajectory};
 
+use crate::larger;
 use crate::naive::is_definite;
 use crate::orbit::integrate;
 
@@ -151,7 +152,7 @@ impl<'s> Work<'s> {
             assert!(part < 1e-13, "{about} at {time}: {missing:?}");
             part
         });
-        parts.fold(0.0, f64::max)
+        parts.fold(0.0, larger)
     }
 }
 

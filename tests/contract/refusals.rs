@@ -15,7 +15,7 @@ use stick_slip::{
     Search, Slip, SnapThrough, State, Stop, Stribeck, Structure, Tabulated, TabulatedForce,
     TimeFunction, VanDerPol, bifurcation, check_law, structure,
 };
-use stick_slip_tests_common::masses::driven as forced;
+use stick_slip_tests_common::masses::{PAD, driven as forced};
 use stick_slip_tests_common::polynomials::Polynomials;
 use stick_slip_tests_common::{memory_stays, root};
 
@@ -264,13 +264,6 @@ fn blocks() -> Structure {
 }
 
 fn systems() -> Vec<Case> {
-    const PAD: Physical = Physical {
-        mass: 2.0,
-        stiffness: 5000.0,
-        damping: 4.0,
-        normal_force: 20.0,
-        belt_velocity: 0.05,
-    };
     cases! {
         "MassOnBelt" "belt_velocity" &ANY, |x| MassOnBelt::new(law(), x);
         "MassOnBelt" "belt_velocity" &ANY, |x| belt().with_belt_velocity(x);

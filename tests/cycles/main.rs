@@ -1,6 +1,7 @@
 //! Limit cycles and bifurcations.
 
 use stick_slip_tests_common as common;
+use stick_slip_tests_compiled as _;
 
 mod along;
 mod bifurcations;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::common::any::systems;
 use crate::common::orbit::{Turn, at_peak, find, next_crossing, next_peak, settles};
-use crate::common::{Random, count};
+use crate::common::{Random, count, larger};
 use stick_slip::limit_cycle::{Attractor, attractor};
 use stick_slip::{CycleKind, FrictionLaw, LimitCycle, MassOnBelt, State};
 
@@ -205,7 +205,7 @@ fn multipliers_are_the_contraction_of_simulated_turns() {
             let allowed = 10.0 * (wide - narrow).abs() + 1e-9 * (1.0 + m);
             if (wide - narrow).abs() < 1e-6 * (1.0 + m) {
                 measured += 1;
-                worst = worst.max((narrow - m).abs() / (1.0 + m));
+                worst = larger(worst, (narrow - m).abs() / (1.0 + m));
                 assert!(
                     (narrow - m).abs() <= allowed,
                     "{about}: {:?} {m} {narrow}",

@@ -13,7 +13,7 @@ use stick_slip::{
 use crate::common::forces;
 use crate::common::heat::Heat;
 use crate::common::orbit::monodromy;
-use crate::common::{Random, count};
+use crate::common::{Random, count, larger, numbers};
 use crate::reading::Raised;
 
 type Law = AnyContactLaw<Raised>;
@@ -178,9 +178,7 @@ impl Draw {
 }
 
 fn vector(state: &State) -> DVector<f64> {
-    let numbers = state.displacements.iter().chain(&state.velocities);
-    let numbers: Vec<f64> = numbers.chain(&state.memory).copied().collect();
-    DVector::from_vec(numbers)
+    DVector::from_vec(numbers(state))
 }
 
 type Sequence = Vec<(usize, EventKind)>;
@@ -243,7 +241,7 @@ fn derivatives_with_force_elements_are_those_of_motions_beside() {
         }
         structure
     };
-    agree(Draw(Random::new(52)), count(30, 300), &mut add);
+    agree(Draw(Random::new(52)), count(30, 150), &mut add);
 }
 
 /// The same with contacts whose memory depends on their loads.
@@ -274,7 +272,7 @@ fn derivatives_with_heat_are_those_of_motions_beside() {
         }
         structure
     };
-    agree(Draw(Random::new(54)), count(30, 300), &mut add);
+    agree(Draw(Random::new(54)), count(20, 100), &mut add);
 }
 
 /// The same with laws of all kinds in the loads of contacts, with and without a temperature.
@@ -316,7 +314,7 @@ fn derivatives_with_load_laws_are_those_of_motions_beside() {
         }
         structure
     };
-    agree(Draw(Random::new(55)), count(40, 300), &mut add);
+    agree(Draw(Random::new(55)), count(20, 100), &mut add);
 }
 
 /// Compares the derivatives of so many motions of structures, drawn and then completed.
@@ -385,7 +383,7 @@ fn agree(
                 "column {index}: {apart:e} of {size:e}, differences good to {error:e}\n\
                  {expected}{found}\n{structure:?}\n{start:?} {duration} {events:?}",
             );
-            worst = worst.max(apart / size);
+            worst = larger(worst, apart / size);
             compared += 1;
         }
         if compared > 0 {

@@ -13,7 +13,7 @@ use stick_slip::{
     limit_cycle,
 };
 
-use crate::common::{list, number, some, text};
+use crate::common::{larger, list, number, some, text};
 use crate::loci::{compare, curve, has_special, member, parameters};
 
 /// Relative error promised for parameters, where they are well conditioned.
@@ -241,7 +241,7 @@ fn curves_of_a_belt_are_those_of_its_own_searches() {
                 _ => bifurcation::grazing_velocities(&system, range),
             };
             let own = own.unwrap().into_iter().map(|own| (own - v_b).abs());
-            worst = worst.max(own.fold(f64::INFINITY, f64::min));
+            worst = larger(worst, own.fold(f64::INFINITY, f64::min));
         }
         println!("{kind}: {worst:.1e} {:?}", locus.ends);
         assert!(worst < 1e-11, "{kind}: {worst:e}");

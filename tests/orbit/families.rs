@@ -5,7 +5,7 @@ use stick_slip::orbit::{AttractorKind, Orbit, Period, classify, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, ContactLaw, Coulomb, Drive, Error, Motion, Scalar, Slip, Structure};
 
-use crate::common::{at_least, exactly, memory_stays, one_mass};
+use crate::common::{at_least, exactly, larger, memory_stays, one_mass};
 
 /// Inertias of very different size that rub on each other; nothing else touches them.
 const INERTIAS: [f64; 3] = [1.0, 7.0, 0.2];
@@ -125,7 +125,7 @@ fn a_memory_minus_a_displacement_is_that_of_the_start() {
             // Neighbours in this direction are closed to the square of the distance.
             for by in [1e-4, 1e-5] {
                 let missed = missed(&system, &found, direction, by);
-                let most = missed.iter().map(|x| x.abs()).fold(0.0, f64::max);
+                let most = missed.iter().map(|x| x.abs()).fold(0.0, larger);
                 assert!(most < 30.0 * by * by, "{by:e}: {missed:?}");
             }
             // The multiplier 1 is listed, and the member is stable.

@@ -17,6 +17,7 @@ use stick_slip::{
     limit_cycle,
 };
 
+use crate::common::orbit::last_turn;
 use crate::common::{count, exactly, number, one_mass, some};
 use crate::reading::{cases, structure};
 
@@ -210,13 +211,8 @@ fn stick_slip_with_dwell_ends_at_the_folds_of_the_reference() {
         let family = |v_b: f64| dwelling(numbers, form, v_b);
         let system = family(start).unwrap();
         let motion = system.simulate(State::new(&[-0.6], &[0.0]), 300.0).unwrap();
-        let sticks = motion
-            .events()
-            .iter()
-            .filter(|e| e.kind == EventKind::Stick);
-        let times: Vec<f64> = sticks.map(|event| event.time).collect();
-        let period = times[times.len() - 1] - times[times.len() - 2];
-        let orbit = settle(&system, &motion.last(), 0.0, Period::Free(period)).unwrap();
+        let period = Period::Free(last_turn(&motion));
+        let orbit = settle(&system, &motion.last(), 0.0, period).unwrap();
         let branch = follow(family, start, &orbit, 0.02..0.5).unwrap();
         let folds = at(&branch, BifurcationKind::Fold);
         let expected = number(&case["v_fold"]);

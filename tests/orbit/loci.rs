@@ -9,9 +9,10 @@ use stick_slip::orbit::{
     SpecialKind, follow, settle, shoot,
 };
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, Structure};
+use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
 
-use crate::common::{assert_met, count, list, number, one_mass, text};
+use crate::common::orbit::last_turn;
+use crate::common::{assert_met, count, larger, list, number, one_mass, text};
 use crate::reading::{cases, remembering, structure};
 
 /// A reference curve.
@@ -109,7 +110,7 @@ pub(crate) fn compare(
             (there.orbit.period(), number(&point["period"])),
         ];
         for (found, expected) in errors {
-            worst = worst.max((found - expected).abs() / expected.abs().max(1.0));
+            worst = larger(worst, (found - expected).abs() / expected.abs().max(1.0));
         }
     }
     worst
@@ -159,13 +160,8 @@ fn folds_of_stick_slip_with_dwell() {
     let (v_b, theta) = (0.15, 1.5);
     let system = member(&case["system"], v_b, theta);
     let motion = system.simulate(State::new(&[-0.6], &[0.0]), 300.0).unwrap();
-    let sticks = motion
-        .events()
-        .iter()
-        .filter(|e| e.kind == EventKind::Stick);
-    let times: Vec<f64> = sticks.map(|event| event.time).collect();
-    let period = times[times.len() - 1] - times[times.len() - 2];
-    let motion = settle(&system, &motion.last(), 0.0, Period::Free(period)).unwrap();
+    let period = Period::Free(last_turn(&motion));
+    let motion = settle(&system, &motion.last(), 0.0, period).unwrap();
     let folds = bifurcation(
         &case,
         BifurcationKind::Fold,
@@ -236,7 +232,10 @@ fn folds_of_a_forced_pure_slip_motion() {
     };
     let ranges = [0.99..1.01, 1e-4..0.01];
     let mut worst = compare(&case, &points[3..], 1, (upper, 0.00635), &ranges);
-    worst = worst.max(compare(&case, &points[..2], 1, (lower, 0.00635), &ranges));
+    worst = larger(
+        worst,
+        compare(&case, &points[..2], 1, (lower, 0.00635), &ranges),
+    );
     assert!(worst < ACCURACY, "{worst:e}");
     let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
     for fold in [lower, upper] {
@@ -273,7 +272,7 @@ fn folds_of_cycles_on_a_belt() {
     let bautin = &list(&hopf_curve["codimension_two"])[0];
     let near = |found: [f64; 2], known: &Value, accuracy: f64| {
         let pairs = std::iter::zip(found, parameters(known));
-        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < accuracy
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, larger) < accuracy
     };
     let hopf = locus.ends.iter().find_map(|end| match end {
         LocusEnd::Hopf { parameters } => Some(*parameters),

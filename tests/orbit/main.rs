@@ -6,6 +6,7 @@
 
 use common::reading;
 use stick_slip_tests_common as common;
+use stick_slip_tests_compiled as _;
 
 mod bad_input;
 mod belt;

@@ -5,7 +5,7 @@ use stick_slip::orbit::{Orbit, Oscillator, Period, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Event, EventKind, Integrator, System};
 
-use crate::common::{Random, Worst, kind, list, number, text};
+use crate::common::{Random, Worst, kind, larger, list, number, text};
 use crate::reading::{cases, numbers, remembering, structure};
 
 /// Error promised for every number, in units of max(1, |value|).
@@ -94,7 +94,7 @@ fn compare(case: &Value, orbit: &Orbit<State>, coordinates: &[usize]) -> Worst {
         });
         parts
             .map(|(a, b): (f64, f64)| (a - b).abs())
-            .fold(0.0, f64::max)
+            .fold(0.0, larger)
     };
     let shifts = (0..events.len()).filter(|&shift| fits(shift));
     let shift = shifts.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));

@@ -11,7 +11,7 @@ use stick_slip::{
     Contact, Coulomb, Drive, Dwell, Error, EventKind, Exponential, LuGre, Structure, System,
 };
 
-use crate::common::{count, some, text};
+use crate::common::{count, larger, some, text};
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
@@ -24,7 +24,7 @@ fn apart(found: &[Complex<f64>], expected: &[Complex<f64>]) -> f64 {
         let nearest = (0..left.len())
             .min_by(|&a, &b| (left[a] - m).norm().total_cmp(&(left[b] - m).norm()))
             .unwrap();
-        largest = largest.max((left.swap_remove(nearest) - m).norm());
+        largest = larger(largest, (left.swap_remove(nearest) - m).norm());
     }
     largest
 }

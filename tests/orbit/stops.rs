@@ -5,16 +5,10 @@ use std::f64::consts::TAU;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, AttractorKind, BifurcationKind, Period, sensitivities};
 use stick_slip::structure::State;
-use stick_slip::{
-    Contact, Coulomb, Drive, Element, Error, EventKind, Segment, Stop, Structure, Trajectory,
-};
+use stick_slip::{Contact, Coulomb, Drive, Element, Error, EventKind, Segment, Stop, Structure};
 
 use crate::common::orbit::monodromy;
-
-fn keys(motion: &Trajectory<State>) -> Vec<(Element, EventKind)> {
-    let events = motion.events().iter();
-    events.map(|event| (event.element, event.kind)).collect()
-}
+use crate::common::{element_keys as keys, larger};
 
 fn numbers(state: &State) -> Vec<f64> {
     [&state.displacements[..], &state.velocities].concat()
@@ -100,7 +94,7 @@ fn saltation_at_stops_agrees_with_differences() {
                     let (_, found) = monodromy(&structure, &start, duration).unwrap();
                     let size = expected.amax().max(1.0);
                     let apart = (&found - &expected).amax() / size;
-                    worst = worst.max(apart);
+                    worst = larger(worst, apart);
                     assert!(
                         apart < 1e-5,
                         "{contact} {adhesive} {damping} {q}: {apart:e}\n{found}{expected}{:?}",

@@ -10,7 +10,7 @@ use stick_slip::{
     Contact, Drive, Error, EventKind, Exponential, MassOnBelt, Polynomial, Stribeck, Structure,
 };
 
-use crate::common::{exactly, list, number, one_mass};
+use crate::common::{exactly, larger, list, number, one_mass};
 use crate::loci::{curve, member};
 
 /// Error promised for parameters, in units of max(1, |value|).
@@ -60,7 +60,7 @@ fn flips_lead_to_motions_of_twice_the_period() {
         let family = |second: f64| Ok(member(&case["system"], first, second));
         let branch = branch(&case, point);
         let flip = only(&branch, BifurcationKind::Flip);
-        worst = worst.max((flip.parameter - second).abs());
+        worst = larger(worst, (flip.parameter - second).abs());
         let born = flip.switch(family).unwrap();
         let period = flip.orbit.period();
         assert_eq!(born.orbit.kind(), Period::Driven(2));
@@ -128,7 +128,7 @@ fn pitchforks_lead_to_motions_without_the_symmetry() {
         }
         let pitchfork = only(&branch, BifurcationKind::Pitchfork);
         println!("{first}: {:.1e}", pitchfork.parameter - second);
-        worst = worst.max((pitchfork.parameter - second).abs());
+        worst = larger(worst, (pitchfork.parameter - second).abs());
         assert!((pitchfork.orbit.extremes(0).1 - number(&point["q_max"])).abs() < ACCURACY);
         // Stable motions without the symmetry, and the mirror image of each.
         let born = pitchfork.switch(family).unwrap();

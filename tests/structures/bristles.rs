@@ -6,7 +6,7 @@ use stick_slip::structure::State;
 use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip};
 
 use crate::common::bristles::{Block, Bristles, Radau, apart, follow};
-use crate::common::{Random, count, one_mass};
+use crate::common::{Random, count, larger, one_mass};
 use crate::stiff_memory::Padded;
 
 /// LuGre's bristles, Dahl's, and a law of one's own that fades or has a bump; from soft to stiff,
@@ -60,7 +60,7 @@ fn random_bristles_agree_with_an_implicit_integrator() {
                     error < 1e-11 + 3.0 * spread,
                     "{error:e} beside {spread:e}: {about}"
                 );
-                worst = worst.max(error);
+                worst = larger(worst, error);
             }
         }
         assert!(spread < 1e-4, "{spread:e}: {about}");

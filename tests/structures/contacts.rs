@@ -8,15 +8,10 @@ use stick_slip::{
     Integrator, Mode, Structure, Trajectory,
 };
 
-use crate::common::{Random, count, exactly, forces, one_mass, text};
+use crate::common::{Random, count, even, exactly, forces, keys, larger, one_mass, text};
 use crate::plain::Plain;
 use crate::reading::{cases, law, structure};
 use crate::work::Work;
-
-/// μ_s = μ̂(0).
-fn even(coefficient: f64) -> Coulomb {
-    Coulomb::new(coefficient, coefficient).unwrap()
-}
 
 fn dry() -> Coulomb {
     Coulomb::new(0.5, 0.3).unwrap()
@@ -32,13 +27,6 @@ fn motion(structure: &Structure, start: &State, duration: f64) -> Trajectory<Sta
         }
         Err(error) => panic!("{error}"),
     }
-}
-
-fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
-    let events = motion.events().iter();
-    events
-        .map(|event| (event.contact().unwrap(), event.kind))
-        .collect()
 }
 
 /// Events with contacts of other numbers; those of one time in the order of the contacts.
@@ -62,7 +50,7 @@ fn apart(a: &Event<State>, b: &Event<State>, mapped: impl Fn(&[f64]) -> Vec<f64>
     let of = |a: &[f64], b: &[f64]| -> f64 {
         let pairs = a.iter().zip(mapped(b));
         let parts = pairs.map(|(a, b)| (a - b).abs() / a.abs().max(1.0));
-        parts.fold(0.0, f64::max)
+        parts.fold(0.0, larger)
     };
     let places = of(&a.state.displacements, &b.state.displacements);
     let speeds = of(&a.state.velocities, &b.state.velocities);
@@ -171,7 +159,7 @@ fn coordinates_may_be_changed() {
             );
             let apart = apart(a, b, mapped);
             assert!(apart <= allowed, "{apart:e} of {allowed:e}: {}", about());
-            worst = worst.max(apart / allowed);
+            worst = larger(worst, apart / allowed);
             events += 1;
         }
         compared += 1;
@@ -328,7 +316,10 @@ fn energy_balances_along_contacts() {
         let [q, v] = ["q", "v"].map(|x| crate::reading::numbers(&case["start"][x]));
         let end = crate::common::number(&case["t_end"]);
         let motion = motion(&system, &State::new(&q, &v), end);
-        worst = worst.max(Work::new(&system, &laws).balances(&motion, text(&case["id"])));
+        worst = larger(
+            worst,
+            Work::new(&system, &laws).balances(&motion, text(&case["id"])),
+        );
     }
     println!("worst {worst:.1e}");
 }

@@ -2,7 +2,7 @@
 
 use stick_slip::{AnyLaw, Error, FrictionLaw, Integrator, Mode, Segment};
 
-use crate::common::{Random, count};
+use crate::common::{Random, count, larger};
 use crate::plain::{Plain, Seen};
 use crate::random::{Comparison, simulate, told};
 use crate::work::Work;
@@ -77,7 +77,7 @@ fn motions_of_joints_obey_the_law() {
             }
             let missing = work.missing(&step);
             let part = missing.part(1e-12);
-            worst = worst.max(part);
+            worst = larger(worst, part);
             let time = step.start_time();
             assert!(part < 1e-12, "{missing:?} at {time} {}", about());
         }

@@ -5,23 +5,12 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Directional, Drive, EventKind, Freewheel, Mode, Structure,
-    Trajectory,
+    Contact, Direction, Directional, Drive, EventKind, Freewheel, Mode, Structure, Trajectory,
 };
 
-use crate::common::{Random, count, forces, list, text};
+use crate::common::{Random, count, even, forces, keys, list, text};
+use crate::naive::relax;
 use crate::reading::{cases, numbers, structure};
-
-fn even(coefficient: f64) -> Coulomb {
-    Coulomb::new(coefficient, coefficient).unwrap()
-}
-
-fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
-    let events = motion.events().iter();
-    events
-        .map(|event| (event.contact().unwrap(), event.kind))
-        .collect()
-}
 
 /// Two shafts, a brake on each and a clutch between them, with a torque that grows by 1 in a unit
 /// of time on shaft 0.
@@ -283,19 +272,13 @@ impl Drawn {
         if let Some((c, value)) = held {
             carried[c] = value;
         }
-        for _ in 0..10_000 {
-            let mut moved = 0.0_f64;
-            for c in (0..k).filter(|&c| held.is_none_or(|(other, _)| c != other)) {
-                let pull = free[c] - (compliance.row(c) * &carried)[0];
-                let next = carried[c] + pull / compliance[(c, c)];
-                let next = next.clamp(-self.limits[c][0], self.limits[c][1]);
-                moved = moved.max((next - carried[c]).abs());
-                carried[c] = next;
-            }
-            if moved < 1e-16 {
-                break;
-            }
-        }
+        relax(
+            &compliance,
+            &free,
+            &self.limits,
+            &mut carried,
+            held.map(|(c, _)| c),
+        );
         &self.inverse * (&self.force - self.rows.transpose() * carried)
     }
 }

@@ -7,27 +7,18 @@ use stick_slip::orbit::{self, Period};
 use stick_slip::structure::{NotSliding, State};
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Direction, Directional, Drive, Error, EventKind, Freewheel,
-    FrictionLaw, Mode, Motion, Scalar, Slip, Structure, Tabulated, Trajectory,
+    FrictionLaw, Mode, Motion, Scalar, Slip, Structure, Tabulated,
 };
 
 use crate::common::any::Any;
-use crate::common::{Random, count, list, memory_stays, message, number, refused, text};
+use crate::common::{
+    Random, count, even, keys, list, memory_stays, message, number, refused, text,
+};
 use crate::reading::{cases, numbers, structure};
-
-fn even(coefficient: f64) -> Coulomb {
-    Coulomb::new(coefficient, coefficient).unwrap()
-}
 
 fn sine(amplitude: f64, frequency: f64) -> Drive {
     let rest = Drive::constant(0.0);
     rest.with_sine(amplitude, frequency).unwrap()
-}
-
-fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
-    let events = motion.events().iter();
-    events
-        .map(|event| (event.contact().unwrap(), event.kind))
-        .collect()
 }
 
 /// x'' = sin 2πt with less friction forward than backward.

@@ -11,11 +11,7 @@ use stick_slip::{
     Segment, Structure,
 };
 
-use crate::common::{Random, assert_form, count, exactly, forces, one_mass, refused};
-
-fn coulomb(coefficient: f64) -> Coulomb {
-    Coulomb::new(coefficient, coefficient).unwrap()
-}
+use crate::common::{Random, assert_form, count, even, exactly, forces, larger, one_mass, refused};
 
 /// The loop that a public tool prints for k_t = 2, F_s = 3: displacements 0, 5, 3.5, 2, −5, −3.5,
 /// −2, 0 give forces 0, 3, 0, −3, −3, 0, 3, 3.
@@ -28,7 +24,7 @@ fn a_printed_loop() {
         let speed = pair[0] - pair[1];
         velocity.extend([(k as f64, speed), (k as f64 + 1.0, speed)]);
     }
-    let element = Contact::new(0, coulomb(0.5), 6.0)
+    let element = Contact::new(0, even(0.5), 6.0)
         .and_then(|contact| contact.with_tangential_stiffness(2.0))
         .unwrap()
         .on_belt(Drive::profile(&velocity).unwrap());
@@ -96,7 +92,7 @@ fn any_stiffness_has_every_event() {
     for exponent in -2..=12 {
         let stiffness = 10.0_f64.powi(exponent);
         let expected = arcs(stiffness, limit, start, 14);
-        let contact = Contact::new(0, coulomb(0.3), 1.0).unwrap();
+        let contact = Contact::new(0, even(0.3), 1.0).unwrap();
         let contact = contact.with_tangential_stiffness(stiffness).unwrap();
         let structure = one_mass([1.0, 0.0, 1.0], 0.0, contact).unwrap();
         let end = expected.last().map_or(20.0, |last| last.0 + 1e-9);
@@ -119,7 +115,7 @@ fn any_stiffness_has_every_event() {
 /// The difference from the rigid contact falls as 1/√k_t.
 #[test]
 fn the_rigid_limit_has_its_order() {
-    let contact = Contact::new(0, coulomb(0.4), 1.0).unwrap().on_belt(0.1);
+    let contact = Contact::new(0, even(0.4), 1.0).unwrap().on_belt(0.1);
     let with = |contact: Contact| {
         let force = Drive::harmonic(0.9, 0.7, 0.0).unwrap();
         one_mass([1.0, 0.1, 1.0], force, contact).unwrap()
@@ -138,7 +134,7 @@ fn the_rigid_limit_has_its_order() {
             (one.displacements[0] - other.displacements[0])
                 .hypot(one.velocities[0] - other.velocities[0])
         });
-        differences.fold(0.0, f64::max)
+        differences.fold(0.0, larger)
     };
     let found = [1e4, 1e6, 1e8].map(apart);
     for pair in found.windows(2) {
@@ -210,7 +206,7 @@ fn draw(random: &mut Random, mixed: bool) -> Drawn {
         } else {
             about.into()
         };
-        let law = coulomb(random.uniform(0.1, 0.8));
+        let law = even(random.uniform(0.1, 0.8));
         let made = if i == j {
             Contact::new(i, law, load)
         } else {
@@ -349,7 +345,7 @@ fn a_scheme_without_events_comes_to_the_same_states() {
             drawn.structure,
             drawn.start
         );
-        worst = worst.max(found);
+        worst = larger(worst, found);
     }
     println!("{events} events, {worst:.1e}");
     assert!(events > 8 * cases, "{events}");
@@ -424,7 +420,7 @@ fn motions_of_elastic_contacts_obey_the_law() {
 
 #[test]
 fn bad_elastic_contacts_are_refused() {
-    let contact = || Contact::new(0, coulomb(0.3), 2.0).unwrap();
+    let contact = || Contact::new(0, even(0.3), 2.0).unwrap();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for refused in [
             contact().with_tangential_stiffness(bad).unwrap_err(),
@@ -509,7 +505,7 @@ fn bad_elastic_contacts_are_refused() {
 fn motions_begin_from_rest() {
     let sine = || Drive::sine(0.7, 1.3).unwrap();
     let contact = |load: Drive| {
-        let contact = Contact::new(0, coulomb(0.4), load).unwrap();
+        let contact = Contact::new(0, even(0.4), load).unwrap();
         contact.with_tangential_stiffness(3.0).unwrap()
     };
     let mass = || Structure::new(&[1.0]).and_then(|mass| mass.with_ground_spring(0, 1.0));
@@ -531,7 +527,7 @@ fn motions_begin_from_rest() {
 #[test]
 fn parallel_elements_share_what_they_carry() {
     let pair = |elastic: bool| {
-        let contact = Contact::between(0, 1, coulomb(0.5), 2.0).unwrap();
+        let contact = Contact::between(0, 1, even(0.5), 2.0).unwrap();
         let contacts = if elastic {
             contact.in_parallel(&[(3.0, 0.5), (1.0, 0.5)]).unwrap()
         } else {
@@ -560,13 +556,13 @@ fn parallel_elements_share_what_they_carry() {
 #[test]
 fn an_open_spring_does_not_pull_what_starts_to_slip() {
     let (force, mass, friction) = (1.0, 0.8, 0.3);
-    let ground = || Contact::new(0, coulomb(friction), 1.0).unwrap();
+    let ground = || Contact::new(0, even(friction), 1.0).unwrap();
     // The load jumps below 0 at the time 1, or is below it from the beginning.
     for begin in [0.0, 1.0] {
         for side in [1.0, -1.0] {
             let load = Drive::profile(&[(begin, 0.1), (begin, -2.0)]).unwrap();
             let push = Drive::profile(&[(begin, 0.0), (begin, force)]).unwrap();
-            let spring = Contact::new(1, coulomb(0.2), load)
+            let spring = Contact::new(1, even(0.2), load)
                 .and_then(|contact| contact.with_normal_spring(&[(0, side)], 0.5))
                 .unwrap();
             for first in [true, false] {
@@ -615,10 +611,10 @@ fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
             })
             .and_then(|s| s.with_spring(0, 1, 0.7)?.with_force(0, force))
             .and_then(|s| {
-                let elastic = Contact::between(0, 1, coulomb(0.3), load)?;
+                let elastic = Contact::between(0, 1, even(0.3), load)?;
                 s.with_contact(elastic.with_tangential_stiffness(stiffness)?)
             })
-            .and_then(|s| s.with_contact(Contact::between(0, 1, coulomb(0.5), 40.0)?))
+            .and_then(|s| s.with_contact(Contact::between(0, 1, even(0.5), 40.0)?))
             .unwrap();
         let velocity = uniform(-1.0, 1.0);
         let start = State::new(&[uniform(-1.0, 1.0), 0.1], &[velocity; 2]);
@@ -639,7 +635,7 @@ fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
 /// and its limit are integrated apart, and differ by the errors of both.
 #[test]
 fn a_break_elsewhere_is_no_event_of_a_slider() {
-    let joint = Contact::new(0, coulomb(0.5), 1.0)
+    let joint = Contact::new(0, even(0.5), 1.0)
         .and_then(|joint| joint.with_tangential_stiffness(10.0))
         .and_then(|joint| joint.on_belt(2.0).with_normal_spring(&[(0, -1.0)], 0.3))
         .unwrap();
@@ -669,12 +665,9 @@ fn sliders_stop_with_the_contacts_that_hold_them() {
     let pairs = [
         [
             Contact::between(0, 1, law(), 3.0),
-            Contact::between(0, 1, coulomb(0.4), 0.5),
+            Contact::between(0, 1, even(0.4), 0.5),
         ],
-        [
-            Contact::new(0, law(), 3.0),
-            Contact::new(0, coulomb(0.4), 0.5),
-        ],
+        [Contact::new(0, law(), 3.0), Contact::new(0, even(0.4), 0.5)],
     ];
     for pair in pairs {
         let [rigid, elastic] = pair.map(Result::unwrap);
@@ -755,7 +748,7 @@ fn a_slider_held_at_its_limit_is_released_with_its_holder() {
     let holder = Contact::between(0, 1, holder, 1.8113406186404621).unwrap();
     let other = law(0.3297513935984516, 0.3078386924671961, 0.22593420356619381);
     let other = Contact::new(1, other, 3.2526925072141215).unwrap();
-    let slider = coulomb(0.34208079315993467);
+    let slider = even(0.34208079315993467);
     let slider = Contact::between(0, 1, slider, 0.316666460838668)
         .and_then(|slider| slider.with_tangential_stiffness(1.6015094389488542))
         .unwrap();
@@ -828,7 +821,7 @@ fn a_slider_at_its_limit_follows_a_release_away_from_it() {
     let tangential = 12.753911310667279;
     let slider = Contact::along(
         &[(0, 0.5), (1, -0.5)],
-        coulomb(0.46401581208136344),
+        even(0.46401581208136344),
         0.24350193840412676,
     )
     .and_then(|slider| slider.with_tangential_stiffness(tangential))

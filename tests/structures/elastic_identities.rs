@@ -11,7 +11,7 @@ use stick_slip::{
 };
 
 use crate::common::orbit::integrate;
-use crate::common::{Random, count, one_mass, some};
+use crate::common::{Random, count, larger, one_mass, some};
 
 /// A mean value and one harmonic.
 #[derive(Debug, Clone, Copy)]
@@ -316,7 +316,7 @@ fn energy_is_what_forces_and_sliders_leave() {
         }
         let end = given.energy(&motion.last());
         let error = (energy - end).abs() / (1.0 + moved);
-        worst = worst.max(error);
+        worst = larger(worst, error);
         // A few dozen steps of rounding.
         assert!(error < 2e-13, "{i}: {error:e}\n{given:?}\n{start:?}");
     }
@@ -467,7 +467,7 @@ fn small_cycles_of_a_joint_have_the_exponent_of_its_distribution() {
                 assert!((joint.dissipation(a) / closed(a) - 1.0).abs() < 1e-13);
                 (loss / closed(a) - 1.0).abs()
             });
-            apart.fold(0.0, f64::max)
+            apart.fold(0.0, larger)
         });
         // Of second order in the ratio of neighbouring intervals.
         println!("{chi}: {worst:?}");

@@ -10,7 +10,7 @@ use stick_slip::{
     Structure, Trajectory,
 };
 
-use crate::common::{Random, Worst, count, forces, list, oscillator, text};
+use crate::common::{Random, Worst, count, forces, larger, list, oscillator, text};
 use crate::plain::Plain;
 use crate::random::simulate;
 use crate::reading::{cases, numbers, structure};
@@ -129,7 +129,7 @@ fn balances_close_along_the_reference_motions() {
             }
             Err(error) => panic!("{id}: {error}"),
         };
-        worst = worst.max(check(&system, &motion, 1e-13, id));
+        worst = larger(worst, check(&system, &motion, 1e-13, id));
     }
     println!("{worst:e}");
 }
@@ -149,7 +149,7 @@ fn balances_close_along_random_motions() {
             continue;
         };
         let about = format!("{i}: {plain:?}\n{start:?}");
-        worst = worst.max(check(&plain.structure(), &motion, 2e-13, &about));
+        worst = larger(worst, check(&plain.structure(), &motion, 2e-13, &about));
     }
     println!("{worst:e}");
 }

@@ -7,7 +7,7 @@ use stick_slip::{
     PolynomialSpring, Scalar, Structure,
 };
 
-use crate::common::{Random, assert_message, count};
+use crate::common::{Random, assert_message, count, larger};
 use crate::restarts::{coordinate, difference, draw, run};
 
 /// The rows of z' = A_q q + A_v v + A_z z + u and the columns of the forces B z.
@@ -167,7 +167,7 @@ fn first_order_states_are_velocities_of_coordinates() {
                 (memory.1, velocities.1),
             ];
             let all = pairs.into_iter().flat_map(|(a, b)| a.iter().zip(b));
-            all.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            all.map(|(a, b)| (a - b).abs()).fold(0.0, larger)
         };
         let is_same = found.events().len() == motion.events().len()
             && std::iter::zip(found.events(), motion.events()).all(|(a, b)| {
@@ -266,7 +266,7 @@ fn linear_systems_follow_the_matrix_exponential() {
         let error = (DVector::from_vec(found) - &exact).amax();
         // The exponential itself loses digits in proportion to its largest intermediate value.
         let allowed = 1e-12 * exact.amax().max((matrix.amax() * time).max(1.0));
-        worst = worst.max(error / allowed);
+        worst = larger(worst, error / allowed);
         assert!(error < allowed, "{error:e} {allowed:e}");
         // Its eigenvalues are those of steady sliding, with their sum and product.
         let sliding = system.steady_sliding().unwrap();
@@ -403,7 +403,7 @@ fn budgets_close_and_motions_restart() {
             .unwrap();
         let [a, b] = [rest.last(), motion.last()];
         let apart = std::iter::zip(a.memory, b.memory).map(|(a, b)| (a - b).abs());
-        assert!(apart.fold(0.0, f64::max) < 1e-12);
+        assert!(apart.fold(0.0, larger) < 1e-12);
         let later = motion.events().iter().filter(|event| event.time > time);
         assert_eq!(rest.events().len(), later.count());
     }

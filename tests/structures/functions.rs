@@ -10,7 +10,7 @@ use stick_slip::{
     Scalar, Structure, TimeFunction,
 };
 
-use crate::common::{Random, count};
+use crate::common::{Random, count, larger};
 
 /// A cos(Ωt + φ), with or without its period.
 struct Wave {
@@ -383,11 +383,11 @@ fn a_function_that_is_a_harmonic_gives_its_motions() {
         });
         assert_eq!(kinds[0], kinds[1], "case {case}");
         for (one, other) in std::iter::zip(harmonic.events(), function.events()) {
-            worst = worst.max((one.time - other.time).abs());
+            worst = larger(worst, (one.time - other.time).abs());
         }
         let [one, other] = [harmonic.last(), function.last()];
         for (x, y) in std::iter::zip(one.displacements, other.displacements) {
-            worst = worst.max((x - y).abs());
+            worst = larger(worst, (x - y).abs());
         }
         assert!(worst < 1e-11, "case {case}: {worst:e}");
     }

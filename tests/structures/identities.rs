@@ -11,7 +11,7 @@ use stick_slip::{
 };
 
 use crate::common::property::for_all;
-use crate::common::{count, exactly, forced, one_mass};
+use crate::common::{count, exactly, forced, larger, one_mass};
 use crate::work::Work;
 
 /// Two blocks on belts that oscillate together, with velocities w̄_i + W', and the same from the
@@ -285,7 +285,7 @@ fn many_periods_lose_no_phase() {
         let product = halves * (0.5 * PI);
         let error = halves.mul_add(0.5 * PI, -product) + halves * 0.5 * REST;
         let apart = ((event.time - product) - error).abs();
-        worst = worst.max(apart / ulp);
+        worst = larger(worst, apart / ulp);
         let turn = orbit.amplitude() * if halves % 2.0 == 0.0 { 1.0 } else { -1.0 };
         let place = event.state.displacements[0];
         assert!((place - turn).abs() < 4e-15, "{place} {turn}");

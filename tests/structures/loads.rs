@@ -12,7 +12,7 @@ use crate::common::collocation::integrate;
 use crate::common::heat::Heat;
 use crate::common::orbit::monodromy;
 use crate::common::property::for_all;
-use crate::common::{Random, count};
+use crate::common::{Random, count, larger};
 
 /// φ of a bead on a ring of radius l in the vertical plane, s its way along the ring:
 /// m(s'²/l + g cos(s/l)).
@@ -227,11 +227,11 @@ fn same_motions(
         );
         events += one.events().len();
         for (a, b) in one.events().iter().zip(other.events()) {
-            worst = worst.max((a.time - b.time).abs());
+            worst = larger(worst, (a.time - b.time).abs());
         }
         let [a, b] = [one.last(), other.last()];
         for (a, b) in a.displacements.iter().zip(&b.displacements) {
-            worst = worst.max((a - b).abs());
+            worst = larger(worst, (a - b).abs());
         }
         if is_exact {
             assert_eq!(one.last(), other.last());

@@ -7,6 +7,7 @@
 
 use common::{naive, plain, reading, work};
 use stick_slip_tests_common as common;
+use stick_slip_tests_compiled as _;
 
 mod bad_input;
 mod bristles;

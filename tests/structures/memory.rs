@@ -11,7 +11,8 @@ use stick_slip::{
 };
 
 use crate::common::{
-    Random, Worst, at_least, exactly, kind, list, memory_stays, number, one_mass, refused, text,
+    Random, Worst, at_least, exactly, kind, larger, list, memory_stays, number, one_mass, refused,
+    text,
 };
 use crate::reading::{Raised, cases, numbers, remembering};
 
@@ -528,7 +529,7 @@ fn a_contact_sticks_no_longer_than_its_limit_beside_bristles() {
                 let force = pair.coupling * (other - q)
                     - pair.stiffness[1] * q
                     - pair.damping[1] * pair.belt;
-                worst = worst.max(force.abs() / pair.limit - 1.0);
+                worst = larger(worst, force.abs() / pair.limit - 1.0);
             }
         }
     }

@@ -10,7 +10,7 @@ use stick_slip::{
     MassOnBelt, Motion, Polynomial, Slip, Tabulated,
 };
 
-use crate::common::{assert_met, dwelling, list, number, one_mass, text};
+use crate::common::{assert_met, dwelling, larger, list, number, one_mass, text};
 use crate::reading::cases;
 
 /// The same oscillator in the units of nobody.
@@ -377,7 +377,7 @@ fn least_loss(law: &LuGre<AnyLaw>, max_speed: f64) -> f64 {
     let highest = speeds
         .clone()
         .map(|s| law.law().kinetic(s))
-        .fold(0.0, f64::max);
+        .fold(0.0, larger);
     let largest = highest.max(law.law().kinetic(0.0)) / law.stiffness();
     let mut least = f64::INFINITY;
     for speed in speeds {

@@ -1,10 +1,11 @@
 //! Functions of a user that return NaN: a typed error, where the NaN enters.
 
 use stick_slip::{
-    Contact, ContactLaw, Coulomb, Error, Integrator, MassOnBelt, Motion, Physical,
-    PhysicalMassOnBelt, Scalar, Segment, Slip, State, Structure, structure,
+    Contact, ContactLaw, Coulomb, Error, Integrator, MassOnBelt, Motion, PhysicalMassOnBelt,
+    Scalar, Segment, Slip, State, Structure, structure,
 };
 
+use crate::common::masses::PAD;
 use crate::common::one_mass;
 
 fn law() -> Coulomb {
@@ -36,14 +37,7 @@ fn a_stop_time_that_is_not_finite_is_refused() {
     let belt = MassOnBelt::new(law(), 0.2).unwrap();
     let system = Structure::from(&belt);
     let rest = || structure::State::at_rest(1);
-    let physical = Physical {
-        mass: 2.0,
-        stiffness: 5000.0,
-        damping: 4.0,
-        normal_force: 20.0,
-        belt_velocity: 0.05,
-    };
-    let brake = PhysicalMassOnBelt::new(physical, law()).unwrap();
+    let brake = PhysicalMassOnBelt::new(PAD, law()).unwrap();
     let start = State::new(0.0, 0.0);
     // At once, after some steps, and in the last step.
     for (first, time) in [(0, f64::NAN), (3, f64::NAN), (20, f64::INFINITY)] {

@@ -293,8 +293,32 @@ fn a_simple_integrator_sees_the_same_events_with_stops() {
     };
     for found in [compare_with(503, Plain::with_stops), compare_with(504, all)] {
         let of_stops = found.iter().filter(|seen| seen.1 >= STOPS).count();
-        assert!(of_stops > 3 * count(30, 300), "{of_stops}");
+        assert!(of_stops > 3 * compared_with(), "{of_stops}");
     }
+}
+
+/// The same with first-order states, and with elements beside them.
+#[test]
+fn a_simple_integrator_sees_the_same_events_with_first_order_states() {
+    compare_with(515, |plain, random| match random.bits().is_multiple_of(3) {
+        true => plain.with_elements(random).with_states(random),
+        false => plain.with_states(random),
+    });
+}
+
+/// The same with loads of all kinds.
+#[test]
+fn a_simple_integrator_sees_the_same_events_with_load_laws() {
+    let found = compare_with(503, Plain::with_load_laws);
+    for letter in ['o', 'c'] {
+        let seen = found.iter().filter(|seen| seen.2 == letter).count();
+        assert!(seen > compared_with() / 4, "{seen} of {letter}");
+    }
+}
+
+/// Number of structures that [`compare_with`] compares.
+fn compared_with() -> usize {
+    count(30, 300)
 }
 
 /// Compares the events of random structures with some additions; returns those of the crate.
@@ -302,7 +326,7 @@ fn compare_with(seed: u64, add: impl Fn(Plain, &mut Random) -> Plain) -> Vec<See
     let mut random = Random::new(seed);
     let mut all = Comparison::default();
     let mut events = Vec::new();
-    let (mut tried, cases) = (0, count(30, 300));
+    let (mut tried, cases) = (0, compared_with());
     while tried < cases {
         let is_shared = random.bits().is_multiple_of(2);
         let plain = match is_shared {
@@ -334,88 +358,6 @@ fn compare_with(seed: u64, add: impl Fn(Plain, &mut Random) -> Plain) -> Vec<See
     assert!(all.compared > 3 * cases, "{all}");
     assert!(all.undecided * 5 < cases, "{all}");
     events
-}
-
-/// The same with first-order states, and with elements beside them.
-#[test]
-fn a_simple_integrator_sees_the_same_events_with_first_order_states() {
-    let mut random = Random::new(515);
-    let mut all = Comparison::default();
-    let (mut tried, cases) = (0, count(30, 300));
-    while tried < cases {
-        let is_shared = random.bits().is_multiple_of(2);
-        let mut plain = match is_shared {
-            false => Plain::random(&mut random),
-            true => Plain::shared(&mut random, false),
-        };
-        if random.bits().is_multiple_of(3) {
-            plain = plain.with_elements(&mut random);
-        }
-        let plain = plain.with_states(&mut random);
-        let start = plain.start(&mut random);
-        if is_shared && !plain.is_clear(&start) {
-            continue;
-        }
-        tried += 1;
-        let duration = 10.0;
-        const STEP: f64 = 4e-3;
-        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
-        let motion = format!("{tried}:\n{plain:?}\n{start:?}");
-        let (trajectory, end) =
-            simulate(&plain, &start, duration).unwrap_or_else(|error| panic!("{error}\n{motion}"));
-        if fine.iter().chain(&coarse).any(|seen| seen.2 == 'u') {
-            continue;
-        }
-        let mut found = told(&trajectory);
-        found.extend(end);
-        all.add(&found, [&coarse, &fine], duration, &motion);
-    }
-    println!("{all}");
-    assert!(all.compared > 3 * cases, "{all}");
-    assert!(all.undecided * 5 < cases, "{all}");
-}
-
-/// The same with loads of all kinds.
-#[test]
-fn a_simple_integrator_sees_the_same_events_with_load_laws() {
-    let mut random = Random::new(503);
-    let mut all = Comparison::default();
-    let (mut tried, cases) = (0, count(40, 300));
-    let (mut opened, mut closed) = (0, 0);
-    while tried < cases {
-        let is_shared = random.bits().is_multiple_of(2);
-        let plain = match is_shared {
-            false => Plain::random(&mut random),
-            true => Plain::shared(&mut random, false),
-        };
-        let plain = plain.with_load_laws(&mut random);
-        let start = plain.start(&mut random);
-        if is_shared && !plain.is_clear(&start) {
-            continue;
-        }
-        tried += 1;
-        let duration = 10.0;
-        const STEP: f64 = 4e-3;
-        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
-        let motion = format!("{tried}:\n{plain:?}\n{start:?}");
-        let (trajectory, end) =
-            simulate(&plain, &start, duration).unwrap_or_else(|error| panic!("{error}\n{motion}"));
-        if fine.iter().chain(&coarse).any(|seen| seen.2 == 'u') {
-            continue;
-        }
-        let mut found = told(&trajectory);
-        found.extend(end);
-        all.add(&found, [&coarse, &fine], duration, &motion);
-        opened += found.iter().filter(|seen| seen.2 == 'o').count();
-        closed += found.iter().filter(|seen| seen.2 == 'c').count();
-    }
-    println!("{all}, {opened} openings, {closed} closings");
-    assert!(all.compared > 3 * cases, "{all}");
-    assert!(all.undecided * 5 < cases, "{all}");
-    assert!(
-        opened > cases / 4 && closed > cases / 4,
-        "{opened} {closed}"
-    );
 }
 
 /// A limit of steps ends what does not end by itself.

@@ -6,7 +6,7 @@ use stick_slip::{
     Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, Segment, Structure, Trajectory,
 };
 
-use crate::common::{Random, count, forces, one_mass};
+use crate::common::{Random, apart, count, forces, larger, one_mass};
 
 const DURATION: f64 = 20.0;
 
@@ -204,13 +204,7 @@ fn distance(
         return f64::INFINITY;
     }
     let times = a.iter().zip(&b).map(|(a, b)| (a.time - b.time).abs());
-    let (a, b) = (one.last(), other.last());
-    let numbers = |state: &State| -> Vec<f64> {
-        let motion = state.displacements.iter().chain(&state.velocities);
-        motion.chain(&state.memory).copied().collect()
-    };
-    let states = std::iter::zip(numbers(&a), numbers(&b)).map(|(a, b)| (a - b).abs());
-    times.chain(states).fold(0.0, f64::max)
+    times.fold(apart(&one.last(), &other.last()), larger)
 }
 
 /// Restarts at random times, from the states of events, and where the motion ends.
@@ -296,7 +290,7 @@ fn velocities_are_continuous_after_a_release() {
                 let size = middle.iter().chain(&end);
                 let size = size.fold(0.0, |most: f64, v| most.max(v.abs()));
                 let apart = std::iter::zip(near, end).map(|(a, b)| (a - b).abs());
-                let apart = apart.fold(0.0, f64::max);
+                let apart = apart.fold(0.0, larger);
                 // No velocity changes by a thousand times its size in a step.
                 assert!(
                     apart <= 1e3 * PART * size + 1e-9,
@@ -374,7 +368,7 @@ fn a_locked_clutch_stays_locked() {
         let (a, b) = (motion.last(), again.last());
         let numbers = |state: State| [state.displacements, state.velocities].concat();
         let apart = std::iter::zip(numbers(a), numbers(b)).map(|(a, b)| (a - b).abs());
-        apart.fold(0.0, f64::max)
+        apart.fold(0.0, larger)
     };
     let (structure, motion) = clutch(Coulomb::new(0.5, 0.2).unwrap());
     assert!(again(&structure, &motion, 7.2) < 1e-12);

@@ -6,7 +6,7 @@ use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, FrictionLaw, LuGre
 
 use crate::common::property::for_all;
 
-use crate::common::{exactly, refused};
+use crate::common::{exactly, larger, refused};
 
 fn falling() -> Exponential {
     Exponential::new(0.35, 0.3, 2.0).unwrap()
@@ -16,7 +16,7 @@ fn falling() -> Exponential {
 fn apart(a: &[Complex<f64>], b: &[Complex<f64>]) -> f64 {
     let from = |a: &[Complex<f64>], b: &[Complex<f64>]| {
         let nearest = |x: &Complex<f64>| b.iter().map(|y| (x - y).norm()).fold(1e300, f64::min);
-        a.iter().map(nearest).fold(0.0, f64::max)
+        a.iter().map(nearest).fold(0.0, larger)
     };
     from(a, b).max(from(b, a))
 }

@@ -6,7 +6,7 @@ use stick_slip::{
     Polynomial, Scalar, Segment, Slip, Structure, Variables,
 };
 
-use crate::common::{one_mass, some};
+use crate::common::{larger, one_mass, some};
 
 /// The same law with a second memory that nothing depends on: its motion is followed by explicit
 /// steps.
@@ -92,7 +92,7 @@ fn slow_steps_and_explicit_ones_give_one_motion() {
                         assert!(slow * 20 < explicit, "{stiffness}: {slow} {explicit}");
                     }
                 }
-                worst = worst.max(one.1).max(two.1);
+                worst = larger(larger(worst, one.1), two.1);
             }
         }
     }

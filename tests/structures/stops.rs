@@ -7,7 +7,7 @@ use stick_slip::{
     Integrator, PolynomialSpring, Segment, Stop, Structure, Trajectory,
 };
 
-use crate::common::{Random, assert_message, count, message};
+use crate::common::{Random, assert_message, count, element_keys as keys, larger, message};
 use crate::plain::Plain;
 
 fn stop(made: Result<Stop, Error>, stiffness: f64, damping: f64) -> Stop {
@@ -18,11 +18,6 @@ fn stop(made: Result<Stop, Error>, stiffness: f64, damping: f64) -> Stop {
 fn free(stop: Stop) -> Structure {
     let mass = Structure::new(&[1.0]).unwrap();
     mass.with_stop(stop).unwrap()
-}
-
-fn keys(motion: &Trajectory<State>) -> Vec<(Element, EventKind)> {
-    let events = motion.events().iter();
-    events.map(|event| (event.element, event.kind)).collect()
 }
 
 /// Rebounds of a free mass, to 25 digits: theory of the damped oscillator.
@@ -475,7 +470,7 @@ fn motions_continue_from_their_states() {
             };
             let (a, b) = (again.last(), motion.last());
             let apart = a.displacements.iter().zip(&b.displacements);
-            let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, larger);
             // Motions may be sensitive; then they part.
             if apart < 1e-8 {
                 assert_eq!(later(&again), later(&motion), "{i} from {from}");

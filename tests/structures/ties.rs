@@ -4,19 +4,12 @@ use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, EventKind, Integrator, Mode, Segment, Structure, Trajectory,
+    Contact, Coulomb, Direction, Drive, EventKind, Integrator, Mode, Segment, Structure,
 };
 
-use crate::common::{Random, count};
+use crate::common::{Random, count, keys};
 use crate::decisions::pattern_of;
 use crate::naive::{Pattern, Question};
-
-fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
-    let events = motion.events().iter();
-    events
-        .map(|event| (event.contact().unwrap(), event.kind))
-        .collect()
-}
 
 /// Three blocks on each other; the force 10 t on the lowest reaches the limits of both joints at
 /// t = 0.9.

@@ -9,7 +9,7 @@ use stick_slip::{
     Direction, Element, Error, Event, EventKind, Integrator, Mode, Structure, Trajectory,
 };
 
-use crate::common::{Worst, kind, list, number, text};
+use crate::common::{Worst, kind, larger, list, number, text};
 use crate::reading::{cases, numbers, structure};
 
 /// Error promised for every time, displacement and velocity, in units of max(1, |value|).
@@ -93,7 +93,7 @@ fn magnification(system: &Structure, start: &State, end: f64) -> impl Fn(f64) ->
                 .zip([&b.state.displacements, &b.state.velocities])
                 .flat_map(|(a, b)| a.iter().zip(b))
                 .map(|(a, b)| (a - b).abs())
-                .fold((a.time - b.time).abs(), f64::max);
+                .fold((a.time - b.time).abs(), larger);
             grown.push((a.time, apart / CHANGE));
         }
     }
@@ -118,7 +118,7 @@ fn fastest_change(case: &Value, system: &Structure) -> f64 {
             .sum();
         Some((stiffness * compliance).sqrt() * number(&given["mu"]) * number(&given["N0"]))
     });
-    changes.fold(0.0, f64::max)
+    changes.fold(0.0, larger)
 }
 
 #[test]

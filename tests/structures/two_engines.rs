@@ -7,7 +7,7 @@ use stick_slip::{
     Structure, Tabulated, Trajectory,
 };
 
-use crate::common::{Random, Worst, number, on_belt, system_of, text};
+use crate::common::{Random, Worst, larger, number, on_belt, system_of, text};
 use crate::reading::cases;
 
 /// Difference allowed in times and states, in units of max(1, |value|).
@@ -145,15 +145,15 @@ fn steep_cubic_laws() {
         let mut largest = 0.0_f64;
         for (one, other) in std::iter::zip(expected.events(), found.events()) {
             assert_eq!(one.kind, other.kind, "{i}: {belt:?}");
-            largest = largest.max((one.time - other.time).abs());
+            largest = larger(largest, (one.time - other.time).abs());
             compared += 1;
         }
         for (time, one) in expected.sample(50) {
             let other = found.state_at(time).unwrap();
-            largest = largest.max((one.displacement - other.displacements[0]).abs());
+            largest = larger(largest, (one.displacement - other.displacements[0]).abs());
         }
         apart += usize::from(largest > ACCURACY);
-        worst = worst.max(largest);
+        worst = larger(worst, largest);
     }
     println!("{compared} events, {apart} motions apart, worst {worst:.1e}");
     assert!(

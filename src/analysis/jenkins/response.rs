@@ -147,8 +147,8 @@ type Velocity<'v> = dyn FnMut(f64) -> Result<Sample, Error> + 'v;
 /// Shortest elastic arc, in radians of the force: A is about 4F_s/(k_t τ²) there.
 const SHORTEST: f64 = 1e-100;
 
-/// Largest angular frequency of the free vibration in stick, in units of ω. Beyond it the roots are
-/// too many to be separated.
+/// Largest angular frequency of the free vibration in stick, in units of ω. At higher frequencies
+/// the roots are too many to be separated.
 const MOST_OSCILLATIONS: f64 = 5000.0;
 
 /// ω = 1.
@@ -400,7 +400,7 @@ impl Forced {
             let pair = Complex::new(half, (-discriminant).sqrt().copysign(half));
             [pair, pair.conj()]
         } else {
-            // The larger one first, from which the other follows without cancellation.
+            // The smaller root follows from the larger one without cancellation.
             let large = half + discriminant.sqrt().copysign(half);
             let small = if large == 0.0 { 0.0 } else { product / large };
             [large.into(), small.into()]

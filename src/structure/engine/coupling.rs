@@ -144,9 +144,9 @@ impl Model<'_> {
         remainder
     }
 
-    /// A coordinate for each of these contacts, which are at rest and whose directions are
-    /// independent. In this order the velocities of all surfaces give those of these coordinates,
-    /// whatever those of the other coordinates are.
+    /// Finds a coordinate for each of some contacts at rest with independent directions. Taken in
+    /// this order, the velocities of the surfaces determine the velocities of these coordinates,
+    /// for any velocities of the other coordinates.
     pub(super) fn pivots(&self, contacts: &[usize]) -> Vec<Pivot> {
         let mut users: Vec<Vec<usize>> = vec![Vec::new(); self.len()];
         for &c in contacts {
