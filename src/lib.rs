@@ -53,6 +53,7 @@
 //! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; errors of the paper: [list](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; its force: [`Structure::carried`] |
+//! | which contacts at rest slip next, together, and at which load | [`Structure::mechanisms`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`]; contacts along its mode shapes: [`Contact::along`] |
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
 //! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`]; of a slipping clutch or turning shafts: [`Structure::steady_sliding_at`] |

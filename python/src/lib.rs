@@ -53,7 +53,7 @@ mod _stick_slip {
     };
     #[pymodule_export]
     use crate::structure::{
-        Carried, PyContact, PyForceElement, PyForceLaw, PyStructure, StabilityChange,
+        Carried, Mechanism, PyContact, PyForceElement, PyForceLaw, PyStructure, StabilityChange,
         SteadySliding, backlash, pendulum, polynomial_spring, snap_through, tabulated_force,
         van_der_pol,
     };

@@ -465,6 +465,20 @@ record! {
 }
 
 record! {
+    /// A way in which contacts at rest can begin to slip: see `Structure.mechanisms`.
+    Mechanism {
+        /// The contacts that slip, each with its relative velocity in units of that of the first.
+        contacts: Vec<(usize, f64)>,
+        /// The power of the load, in units of force.
+        power: f64,
+        /// The power that friction can dissipate at most, in units of force.
+        resistance: f64,
+        /// The resistance minus the power: what is left before these contacts slip.
+        margin: f64,
+    }
+}
+
+record! {
     /// A change of the stability of steady sliding along a speed profile.
     StabilityChange {
         /// The time.
@@ -737,6 +751,18 @@ impl PyStructure {
             is_determined: it.is_determined(),
         });
         Ok(carried.collect())
+    }
+
+    /// The ways in which contacts at rest can begin to slip in a state, ordered by their contacts.
+    fn mechanisms(&self, time: f64, state: Start) -> PyResult<Vec<Mechanism>> {
+        let mechanisms = self.0.mechanisms(time, &state.0).or_raise()?;
+        let mechanisms = mechanisms.into_iter().map(|it| Mechanism {
+            margin: it.margin(),
+            contacts: it.contacts,
+            power: it.power,
+            resistance: it.resistance,
+        });
+        Ok(mechanisms.collect())
     }
 
     /// The accelerations in a state, in units of velocity per time.

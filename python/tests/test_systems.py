@@ -231,6 +231,23 @@ def test_structures_have_matrices_and_energies() -> None:
         ss.Structure()
 
 
+def test_dependent_contacts_slip_in_mechanisms() -> None:
+    law = ss.Coulomb(1.0, 1.0)
+    ring = ss.Structure([1.0, 1.0])
+    ring = ring.with_force(0, 6.0)
+    for contact in (
+        ss.Contact(0, law, 3.0),
+        ss.Contact(1, law, 5.0),
+        ss.Contact.between(0, 1, law, 4.0),
+    ):
+        ring = ring.with_contact(contact)
+    mechanisms = ring.mechanisms(0.0, ([0.0, 0.0], [0.0, 0.0]))
+    assert len(mechanisms) == 6
+    following = min(mechanisms, key=lambda it: it.margin)
+    assert [contact for contact, _ in following.contacts] == [0, 2]
+    assert abs(following.margin - 1.0) < 1e-14
+
+
 def test_joints_open_and_slip() -> None:
     law = ss.Coulomb(0.25, 0.25)
     joint = ss.Contact(0, law, 1.0, tangential_stiffness=0.35)

@@ -4,6 +4,7 @@ use super::carried::Carried;
 use super::energy::finite;
 use super::engine::model::Model;
 use super::engine::{Engine, check_start};
+use super::mechanism::Mechanism;
 use super::step::Step;
 use super::system::Structure;
 use crate::clock::Clock;
@@ -129,6 +130,51 @@ impl Structure {
         let carried = self.at(time, state)?.carried();
         all_finite(carried.iter().map(|carried| carried.force).collect(), state)?;
         Ok(carried)
+    }
+
+    /// The ways in which contacts at rest can begin to slip, at the given time in the given state.
+    /// Stick or slip is decided as at the start of a motion.
+    ///
+    /// A contact on whose direction no other contact at rest depends is a mechanism by itself.
+    /// Contacts with linearly dependent directions slip together, as the page of
+    /// [`Structure`](Self#contacts-that-share-masses) says. A motion and its opposite are two
+    /// mechanisms. Those against an infinite limit, that of a freewheel, are left out, and so are
+    /// elastic contacts: their forces are numbers of the state. The mechanisms are ordered by the
+    /// numbers of their contacts.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`carried`](Self::carried), among them [`Error::TooManyMechanisms`].
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
+    ///
+    /// // Two shafts, a brake on each (3 N m and 5 N m) and a clutch between them (4 N m). A torque
+    /// // of 6 N m on shaft 0 is carried by its brake and by the clutch.
+    /// let law = Coulomb::new(1.0, 1.0)?;
+    /// let shafts = Structure::new(&[1.0, 1.0])?
+    ///     .with_force(0, 6.0)?
+    ///     .with_contact(Contact::new(0, law, 3.0)?)?
+    ///     .with_contact(Contact::new(1, law, 5.0)?)?
+    ///     .with_contact(Contact::between(0, 1, law, 4.0)?)?;
+    /// let mechanisms = shafts.mechanisms(0.0, &State::at_rest(2))?;
+    ///
+    /// // Both shafts turn together, shaft 0 alone, or shaft 1 alone; forward or backward.
+    /// let slipping = mechanisms.iter().map(|it| it.contacts.iter().map(|c| c.0).collect());
+    /// let slipping: Vec<Vec<usize>> = slipping.collect();
+    /// assert_eq!(slipping, [[0, 1], [0, 1], [0, 2], [0, 2], [1, 2], [1, 2]]);
+    /// // At 7 N m shaft 0 begins to turn alone.
+    /// let next = mechanisms.iter().min_by(|a, b| a.margin().total_cmp(&b.margin())).unwrap();
+    /// let [(0, first), (2, second)] = next.contacts[..] else { panic!() };
+    /// assert!(first == 1.0 && (second - 1.0).abs() < 1e-15);
+    /// assert!((next.power - 6.0).abs() < 1e-14 && (next.resistance - 7.0).abs() < 1e-14);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn mechanisms(&self, time: f64, state: &State) -> Result<Vec<Mechanism>, Error> {
+        let mechanisms = self.at(time, state)?.mechanisms();
+        let margins = mechanisms.iter().map(Mechanism::margin);
+        all_finite(margins.collect(), state)?;
+        Ok(mechanisms)
     }
 
     /// The acceleration v' of each coordinate at the given time in the given state, in units of

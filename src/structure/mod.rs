@@ -9,6 +9,7 @@
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
 // | `carried.rs` | `Carried`: the friction force of a contact, or its range |
+// | `mechanism.rs` | `Mechanism`: a way in which contacts at rest can begin to slip |
 // | `energy.rs` | energies, work and heat |
 // | `steady.rs`, `sliding_field` | steady sliding and its eigenvalues; the equations near it |
 // | `steady_at.rs` | steady sliding at given velocities |
@@ -74,6 +75,7 @@
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
 //! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`]; sampled along a motion: [`Structure::samples`] |
+//! | which contacts at rest can slip next, together, and how much is left | [`Structure::mechanisms`] |
 //! | energies; work and heat of every force, contact and damper along a motion | [`Structure::energy_budget`], [`Structure::kinetic_energy`], [`Structure::elastic_energy`] |
 //! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`]; at given velocities, with joints that stick, without rigid-body modes: [`Structure::steady_sliding_at`] |
 //! | where steady sliding becomes unstable along a speed profile, and why vibration begins later | [`Structure::stability_changes`] |
@@ -148,6 +150,7 @@ mod flow;
 mod force_element;
 pub(crate) mod freedom;
 mod matrices;
+mod mechanism;
 #[cfg(feature = "serde")]
 mod read;
 mod sample;
@@ -165,6 +168,7 @@ pub(crate) use energy::Energies;
 pub use first_order::FirstOrder;
 pub use flow::Flow;
 pub use force_element::ForceElement;
+pub use mechanism::Mechanism;
 pub use sample::Sample;
 pub use stability_changes::StabilityChange;
 pub use steady::SteadySliding;

@@ -332,6 +332,7 @@ fn systems() -> Vec<Case> {
         "Structure" "mass matrix (0, 1)" &ANY,
             |x| Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, x, 0.0, 1.0]));
         "Structure" "time" &ANY, |x| blocks().carried(x, &structure::State::at_rest(2));
+        "Structure" "time" &ANY, |x| blocks().mechanisms(x, &structure::State::at_rest(2));
         "Structure" "time" &ANY,
             |x| blocks().acceleration(x, &structure::State::at_rest(2));
         "Structure" "stiffness (0, 0)" &ANY, |x| blocks().with_ground_spring(0, x);

@@ -332,6 +332,70 @@ fn decisions_of_dependent_contacts_solve_the_programme() {
     assert!(rest > cases && ranges > cases / 4);
 }
 
+/// Loads that grow in proportion are carried up to the least factor of a mechanism; beyond it the
+/// contacts of this mechanism slip, in its proportions, and no others.
+#[test]
+fn loads_grow_up_to_the_first_mechanism() {
+    const REST: f64 = 0.05;
+    let mut random = Random::new(74);
+    let (mut compared, mut several) = (0, 0);
+    for case in 0..count(60, 600) {
+        let mut drawn = Drawn::new(&mut random);
+        let n = drawn.structure.len();
+        let mut structure = drawn.structure.clone();
+        for i in 0..n {
+            structure = structure
+                .with_force(i, (REST - 1.0) * drawn.force[i])
+                .unwrap();
+        }
+        let state = State::at_rest(n);
+        let still = structure.acceleration(0.0, &state).unwrap();
+        if still.iter().any(|a| *a != 0.0) {
+            continue;
+        }
+        let mechanisms = structure.mechanisms(0.0, &state).unwrap();
+        let mut factors: Vec<(f64, usize)> = Vec::new();
+        for (number, mechanism) in mechanisms.iter().enumerate() {
+            assert!(mechanism.margin() > 0.0, "{case} {mechanism:?}");
+            let sum: f64 = mechanism.contacts.iter().fold(0.0, |sum, &(c, slip)| {
+                sum + slip.abs() * drawn.limits[c][usize::from(slip > 0.0)]
+            });
+            assert_relative_eq!(mechanism.resistance, sum, max_relative = 1e-13);
+            if mechanism.power > 1e-6 {
+                factors.push((mechanism.resistance / mechanism.power, number));
+            }
+        }
+        factors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [(first, number), (second, _), ..] = factors[..] else {
+            continue;
+        };
+        let force = &drawn.force * REST;
+        drawn.force = &force * (first * (1.0 - 1e-3));
+        // The sweeps stop while changes are still small.
+        assert!(drawn.accelerations(None).amax() < 1e-6, "{case}");
+        drawn.force = &force * (first * (1.0 + 1e-3));
+        let slips = &drawn.rows * drawn.accelerations(None);
+        assert!(slips.amax() > 1e-5, "{case}");
+        if second < 1.02 * first {
+            continue;
+        }
+        let slipping = &mechanisms[number].contacts;
+        for c in 0..drawn.limits.len() {
+            let found = slipping
+                .iter()
+                .find(|(d, _)| *d == c)
+                .map_or(0.0, |(_, slip)| *slip);
+            let (one, _) = slipping[0];
+            let slip = slips[c] / slips[one] * slipping[0].1;
+            assert_abs_diff_eq!(found, slip, epsilon = 1e-2);
+        }
+        compared += 1;
+        several += usize::from(slipping.len() > 1);
+    }
+    println!("{compared} mechanisms compared, {several} of several contacts");
+    assert!(compared > 20 && several > 10);
+}
+
 /// Belts that move in the same way hold together; one that speeds up is left by its contact.
 #[test]
 fn surfaces_that_part_do_not_hold_together() {

@@ -93,6 +93,7 @@ use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
 
 use super::carried::Carried;
+use super::mechanism;
 use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::{Element, Error};
@@ -100,6 +101,7 @@ use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{PowerSeries, quarters};
+use crate::state::Direction;
 use crate::state::structure::State;
 
 /// A structure in motion.
@@ -435,6 +437,49 @@ impl<'s> Engine<'s> {
             }
         }
         all
+    }
+
+    /// The ways in which rigid contacts in stick can begin to slip.
+    pub(super) fn mechanisms(&self) -> Vec<mechanism::Mechanism> {
+        let (model, situation) = (&self.model, &self.situation);
+        let compliance = |c: usize| model.contacts[c].compliance;
+        let groups = situation.mechanisms.iter().map(|mechanism| {
+            let parts = mechanism.parts.iter();
+            let slips = parts.map(|&(c, part)| (c, part * compliance(c).sqrt()));
+            let mut slips: Vec<(usize, f64)> = slips.collect();
+            slips.sort_unstable_by_key(|&(c, _)| c);
+            let unit = slips.first().map_or(1.0, |&(_, slip)| slip);
+            slips
+                .into_iter()
+                .map(|(c, slip)| (c, slip / unit))
+                .collect()
+        });
+        let alone = (0..model.contacts.len()).filter(|&c| {
+            let state = &situation.contacts[c];
+            state.sticks() && !state.is_in_group && !model.contacts[c].is_elastic()
+        });
+        let mut all: Vec<Vec<(usize, f64)>> = alone.map(|c| vec![(c, 1.0)]).chain(groups).collect();
+        all.sort_unstable_by(|a, b| a.iter().map(|at| at.0).cmp(b.iter().map(|at| at.0)));
+        let sides = [Direction::Leading, Direction::Lagging];
+        let to_sides = all.iter().flat_map(|slips| {
+            sides.map(|side| {
+                let (mut power, mut resistance) = (0.0, 0.0);
+                let slips = slips.iter().map(|&(c, slip)| (c, side.sign() * slip));
+                let contacts: Vec<(usize, f64)> = slips.collect();
+                for &(c, slip) in &contacts {
+                    let of = &self.series.contacts[c];
+                    power += slip * (of.carried[0] / compliance(c));
+                    resistance += slip.abs() * (of.bound(side_of(slip))[0] / compliance(c));
+                }
+                mechanism::Mechanism {
+                    contacts,
+                    power,
+                    resistance,
+                }
+            })
+        });
+        let is_possible = |it: &mechanism::Mechanism| it.resistance != f64::INFINITY;
+        to_sides.filter(is_possible).collect()
     }
 
     /// v' of each coordinate.
