@@ -312,6 +312,7 @@ fn not_sliding(reason: &NotSliding, to: &Bound<'_, PyDict>) -> PyResult<()> {
         | NotSliding::NoSteadyMemory { contact } => fields!(to: contact),
         NotSliding::NoLoad { contact, load } => fields!(to: contact, load),
         NotSliding::Deforms { coordinate } => fields!(to: coordinate),
+        NotSliding::Grows { state, rate } => fields!(to: state, rate),
         NotSliding::OverLimit {
             contact,
             force,

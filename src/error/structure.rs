@@ -99,6 +99,13 @@ pub enum NotSliding {
         /// The first coordinate whose velocity changes such a force.
         coordinate: usize,
     },
+    /// A first-order state that integrates velocities grows at the given ones.
+    Grows {
+        /// Number of the state.
+        state: usize,
+        /// Its rate, in units of the state per unit of time.
+        rate: f64,
+    },
     /// A freewheel, or another contact with an infinite limit, would slip in the direction in which
     /// it cannot: see [`Error::WrongWay`](crate::Error::WrongWay).
     WrongWay {
@@ -181,6 +188,12 @@ impl std::fmt::Display for NotSliding {
                 "the velocities are not those of a rigid-body motion: that of coordinate \
                  {coordinate} changes the force of a spring or a load; give the same velocity to \
                  coordinates that springs connect, and 0 to those held by the ground"
+            ),
+            Self::Grows { state, rate } => write!(
+                f,
+                "first-order state {state} grows at the rate {} at these velocities, and no \
+                 displacement changes that; give velocities at which it is constant",
+                Plain(*rate)
             ),
             Self::WrongWay { contact, velocity } => write!(
                 f,

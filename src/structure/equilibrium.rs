@@ -317,8 +317,10 @@ impl Balance {
     /// K q + M a + B λ = f,    a = E α,    Bᵀa = 0
     /// ```
     ///
-    /// q has no part along E. Where balance leaves forces undetermined, they have the least sum of
-    /// squares: contacts carry nothing that springs can carry. All rows are multiplied by M⁻¹.
+    /// with z' = 0 of the first-order states; A_v a = 0 in its place for a state whose rate depends
+    /// on velocities only. q has no part along E. Where balance leaves forces undetermined, they
+    /// have the least sum of squares: contacts carry nothing that springs can carry. All rows are
+    /// multiplied by M⁻¹.
     fn of(
         model: &Model<'_>,
         (stiffness, right): (DMatrix<f64>, DVector<f64>),
@@ -348,8 +350,6 @@ impl Balance {
                 forces: vec![0.0; sticking.len()],
             });
         }
-        let condensed = Condensed::of(&stiffness, &right, n)?;
-        let (stiffness, right) = (&condensed.stiffness, &condensed.right);
         // In units of one energy, and each unknown in a unit that makes the entries of one size.
         let units = units(model);
         let unit = |x: &DVector<f64>| DVector::from_fn(n, |j, _| x[j] / units[j]).normalize();
@@ -379,19 +379,53 @@ impl Balance {
             let kept: Vec<usize> = (0..svd.singular_values.len()).filter(counts).collect();
             svd.u.ok_or(NotSliding::Singular)?.select_columns(&kept)
         };
-        let (d, r) = (motions.ncols(), combined.ncols());
-        let mut matrix = DMatrix::zeros(n + d + r, n + d + r);
+        // The unknowns: displacements, first-order states, accelerations and forces.
+        let (d, r, positions) = (motions.ncols(), combined.ncols(), right.len());
+        let all = positions + d + r;
+        let mut matrix = DMatrix::zeros(all, all);
         let scaled = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[j] / units[i]);
         let size = Some(scaled.amax())
             .filter(|size| *size > 0.0)
             .unwrap_or(1.0);
         matrix.view_mut((0, 0), (n, n)).copy_from(&scaled);
         matrix
-            .view_mut((0, n), (n, d))
+            .view_mut((0, positions), (n, d))
             .copy_from(&(&motions * size));
         matrix
-            .view_mut((n, 0), (d, n))
+            .view_mut((positions, 0), (d, n))
             .copy_from(&(motions.transpose() * size));
+        let mut forces = DVector::from_fn(all, |i, _| match i {
+            i if i < n => right[i] / units[i],
+            i if i < positions => right[i],
+            _ => 0.0,
+        });
+        for (number, state) in (n..positions).enumerate() {
+            for i in 0..n {
+                matrix[(i, state)] = stiffness[(i, state)] / units[i];
+                matrix[(state, i)] = stiffness[(state, i)] * units[i];
+            }
+            let of_states = stiffness.view((state, n), (1, positions - n));
+            matrix
+                .view_mut((state, n), (1, positions - n))
+                .copy_from(&of_states);
+            if stiffness.row(state).iter().any(|x| *x != 0.0) {
+                continue;
+            }
+            // The integral of a velocity: its rate is 0, and accelerations do not change it.
+            let data = &model.first_order[number];
+            let rate = std::mem::take(&mut forces[state]);
+            let terms = data.velocities.iter().map(|&(j, a)| a * velocities[j]);
+            let size = terms.map(f64::abs).sum::<f64>();
+            if rate.abs() > ROUNDING * size {
+                let state = number;
+                return Err(NotSliding::Grows { state, rate });
+            }
+            for &(j, a) in &data.velocities {
+                for c in 0..d {
+                    matrix[(state, positions + c)] += a * units[j] * motions[(j, c)];
+                }
+            }
+        }
         let mut force_units = Vec::new();
         for j in 0..r {
             let force = (0..along.len()).fold(DVector::zeros(n), |sum, c| {
@@ -400,30 +434,33 @@ impl Balance {
             let (unit, felt) = (force.norm(), motions.transpose() * &force);
             let response = inverse_mass_times(model, &units, &force);
             matrix
-                .view_mut((0, n + d + j), (n, 1))
+                .view_mut((0, positions + d + j), (n, 1))
                 .copy_from(&(response * (size / unit)));
             matrix
-                .view_mut((n + d + j, n), (1, d))
+                .view_mut((positions + d + j, positions), (1, d))
                 .copy_from(&(felt.transpose() * (size / unit)));
             force_units.push(size / unit);
         }
-        let forces = DVector::from_fn(n, |i, _| right[i] / units[i]);
-        let found = solve(&matrix, &forces.clone().resize_vertically(n + d + r, 0.0))?;
-        let accelerations = &motions * found.rows(n, d) * size;
-        let rounding = ROUNDING * forces.amax().max(scaled.amax() * found.rows(0, n).amax());
+        let found = solve_with_states(matrix, forces.clone(), n + d + r)?;
+        let accelerations = &motions * found.rows(positions, d) * size;
+        let largest = scaled.amax() * found.rows(0, n).amax();
+        let rounding = ROUNDING * forces.rows(0, n).amax().max(largest);
         let accelerations = DVector::from_fn(n, |j, _| match accelerations[j] {
             a if a.abs() <= rounding => 0.0,
             a => a * units[j],
         });
         let carried = |c: usize| (0..r).map(move |j| (c, j));
         Ok(Self {
-            positions: condensed.positions(&DVector::from_fn(n, |j, _| found[j] * units[j])),
+            positions: DVector::from_fn(positions, |j, _| match units.get(j) {
+                Some(unit) => found[j] * unit,
+                None => found[j],
+            }),
             accelerations,
             forces: (0..along.len())
                 .map(|c| {
                     let parts = carried(c);
-                    let parts =
-                        parts.map(|(c, j)| combined[(c, j)] * found[n + d + j] * force_units[j]);
+                    let parts = parts
+                        .map(|(c, j)| combined[(c, j)] * found[positions + d + j] * force_units[j]);
                     parts.sum()
                 })
                 .collect(),
@@ -444,8 +481,8 @@ pub(super) fn inverse_mass_times(
     })
 }
 
-/// The solution of A x = b, of which the first n numbers are displacements and the others
-/// first-order states, of any units: rows and columns are brought to one size first.
+/// The solution of A x = b. If there are more numbers than these n, some are first-order states, of
+/// any units: rows and columns are brought to one size first.
 fn solve_with_states(
     mut a: DMatrix<f64>,
     mut b: DVector<f64>,
@@ -478,59 +515,6 @@ fn solve_with_states(
         }
     }
     Ok(solve(&a, &b)?.component_mul(&units))
-}
-
-/// The equations of displacements without the first-order states.
-struct Condensed {
-    stiffness: DMatrix<f64>,
-    right: DVector<f64>,
-    /// z = z_0 − Z q.
-    given: DVector<f64>,
-    by_displacements: DMatrix<f64>,
-}
-
-impl Condensed {
-    /// The equations of the first n numbers.
-    ///
-    /// # Errors
-    ///
-    /// [`NotSliding::Singular`] if displacements do not determine the states.
-    fn of(stiffness: &DMatrix<f64>, right: &DVector<f64>, n: usize) -> Result<Self, NotSliding> {
-        let count = right.len() - n;
-        if count == 0 {
-            return Ok(Self {
-                stiffness: stiffness.clone(),
-                right: right.clone(),
-                given: DVector::zeros(0),
-                by_displacements: DMatrix::zeros(0, n),
-            });
-        }
-        let own = stiffness.view((n, n), (count, count));
-        let state = |right: DVector<f64>| solve_with_states(own.into_owned(), right, 0);
-        let given = state(right.rows(n, count).into_owned())?;
-        let mut by_displacements = DMatrix::zeros(count, n);
-        for j in 0..n {
-            let column = stiffness.view((n, j), (count, 1)).column(0).into_owned();
-            by_displacements.set_column(j, &state(column)?);
-        }
-        let acts = stiffness.view((0, n), (n, count));
-        Ok(Self {
-            stiffness: stiffness.view((0, 0), (n, n)) - acts * &by_displacements,
-            right: right.rows(0, n) - acts * &given,
-            given,
-            by_displacements,
-        })
-    }
-
-    /// Displacements and states.
-    fn positions(&self, q: &DVector<f64>) -> DVector<f64> {
-        if self.given.is_empty() {
-            return q.clone();
-        }
-        let states = &self.given - &self.by_displacements * q;
-        let count = q.len() + states.len();
-        DVector::from_iterator(count, q.iter().chain(&states).copied())
-    }
 }
 
 /// The solution of A x = b.

@@ -28,6 +28,8 @@ impl Structure {
     /// * If forces do not balance along a rigid-body motion, its velocity is not steady, as in a
     ///   clutch that engages. [`SteadySliding::accelerations`] is then not 0. The eigenvalues are
     ///   those at the given velocities, which must change little within 1/|s| for the eigenvalue s.
+    /// * **A first-order state that integrates velocities**, as in PI control of a speed, has the
+    ///   value at which forces balance along a rigid-body motion; no acceleration is left there.
     /// * **Contacts that stick.** In a rigid one b·δv = 0; an elastic one is a spring of stiffness
     ///   k_t. Either can carry any force within its limit, so the equilibria form a continuum. The
     ///   result is the equilibrium in which these contacts carry only forces that springs cannot
@@ -39,11 +41,11 @@ impl Structure {
     /// [`Error::WrongSize`] unless there is a velocity for each coordinate;
     /// [`Error::InvalidParameter`] unless all are finite. [`Error::NoSteadySliding`], with the
     /// reason ([`NotSliding`](crate::structure::NotSliding)), if a drive varies in time, if the
-    /// velocities deform a spring, if a load is not positive, if memory variables of a contact that
-    /// slips have no constant values, if balance requires more than the limit force of a contact
-    /// that sticks, if a law that never sticks has the relative velocity 0, if a number overflows,
-    /// or if the stiffness matrix with the terms of friction is singular on the remaining
-    /// directions.
+    /// velocities deform a spring or let an integral grow, if a load is not positive, if memory
+    /// variables of a contact that slips have no constant values, if balance requires more than the
+    /// limit force of a contact that sticks, if a law that never sticks has the relative velocity
+    /// 0, if a number overflows, or if the stiffness matrix with the terms of friction is singular
+    /// on the remaining directions.
     ///
     /// ```
     /// use stick_slip::{Contact, Exponential, Structure};

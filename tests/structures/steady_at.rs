@@ -2,7 +2,9 @@
 
 use stick_slip::nalgebra::{Complex, DMatrix};
 use stick_slip::structure::{NotSliding, State, SteadySliding};
-use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, FrictionLaw, LuGre, Structure};
+use stick_slip::{
+    Contact, Coulomb, Drive, Error, Exponential, FirstOrder, FrictionLaw, LuGre, Structure,
+};
 
 use crate::common::property::for_all;
 
@@ -363,4 +365,57 @@ fn joints_within_what_moves_as_a_whole_feel_nothing() {
             Ok(())
         },
     );
+}
+
+/// A motor under PI control of its speed drives a rotor that slips in a brake: the integral has the
+/// value that carries the friction, and the eigenvalues are the roots of the polynomial of the
+/// loop.
+#[test]
+fn an_integral_of_the_speed_carries_what_turns() {
+    let (motor, rotor, shaft, given) = (0.5, 2.0, 30.0, 4.0);
+    let (proportional, integral) = (3.0, 7.0);
+    let speed_control = |unit: f64| {
+        FirstOrder::integrator()
+            .with_velocity(0, unit)
+            .and_then(|s| s.with_drive(-unit * given)?.with_force(0, -integral / unit))
+            .unwrap()
+    };
+    let drive = |unit: f64| {
+        Structure::new(&[motor, rotor])
+            .and_then(|s| {
+                s.with_spring(0, 1, shaft)?
+                    .with_ground_damper(0, proportional)
+            })
+            .and_then(|s| s.with_force(0, proportional * given))
+            .and_then(|s| s.with_first_order(speed_control(unit)))
+            .and_then(|s| s.with_contact(Contact::new(1, falling(), 5.0)?))
+            .unwrap()
+    };
+    let mu = |speed: f64| 0.3 + 0.05 * (-(speed / 2.0).powi(2)).exp();
+    let slope = 5.0 * 0.05 * (-(given / 2.0_f64).powi(2)).exp() * (-2.0 * given / 4.0);
+    for unit in [1.0, 1e-9, 1e9] {
+        let found = drive(unit).steady_sliding_at(&[given; 2]).unwrap();
+        assert_eq!(found.accelerations, [0.0; 2]);
+        let friction = 5.0 * mu(given);
+        let carried = -integral * found.first_order[0] / unit;
+        assert!((carried - friction).abs() < 1e-13, "{carried} {friction}");
+        let [first, second] = found.displacements[..] else {
+            panic!()
+        };
+        assert!((shaft * (first - second) - friction).abs() < 1e-13);
+        // The angle has no eigenvalue.
+        assert_eq!(found.eigenvalues.len(), 4);
+        for s in &found.eigenvalues {
+            // Of the speeds: [J_0 s² + K_p s + K_i + k, −k; −k, J_1 s² + c s + k].
+            let one = s * s * motor + s * proportional + integral + shaft;
+            let other = s * s * rotor + s * slope + shaft;
+            let size = (s.norm() + 10.0).powi(4);
+            assert!((one * other - shaft * shaft).norm() < 1e-13 * size, "{s}");
+        }
+    }
+    // At another speed the integral grows.
+    let (state, rate) = (0, 0.5);
+    let grows = drive(1.0).steady_sliding_at(&[given + rate; 2]);
+    let expected = Error::NoSteadySliding(NotSliding::Grows { state, rate });
+    assert_eq!(grows.unwrap_err(), expected);
 }
