@@ -77,7 +77,8 @@
 //! | a pendulum | [`Pendulum`]; its pivot is at rest |
 //! | gear play, backlash | [`Backlash`] |
 //! | a stop, an impact, a loose gear with damping | [`Stop`], a spring and a damper behind a gap; what to take for a rigid stop: [rigid stops](Stop#rigid-stops) |
-//! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`] |
+//! | a gap | surfaces that touch only after a displacement: [`Contact::with_normal_spring`] with a load ≤ 0; without friction: [`Stop`], [`Backlash`] |
+//! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`]; one that presses a contact: [`Contact::with_load_law`] |
 //! | a stiffness that varies in time (gear mesh, Mathieu's equation) | [`ForceElement::with_factor`], with the law [`PolynomialSpring`] of one coefficient |
 //! | a controller | integral action (PID), a motor's current, an actuator, a filter: [`FirstOrder`]; proportional feedback: [`Structure::with_stiffness`] and [`Structure::with_damping`], with matrices that need not be symmetric; nonlinear feedback: your own [`ForceField`], or a law in a [`FirstOrder`]; delays are not available |
 //! | a Maxwell damper, a viscoelastic mount | [`FirstOrder::lag`] |
