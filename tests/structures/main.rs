@@ -32,6 +32,7 @@ mod identities;
 mod loads;
 mod memory;
 mod memory_formulas;
+mod modelica;
 mod not_numbers;
 mod random;
 mod rate_state;
