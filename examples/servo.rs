@@ -10,7 +10,10 @@
 //! * without an integral the mass rests off its target; with any gain it hunts. A small gain has
 //!   another motion beside it: from farther away the mass creeps to its target without a stop;
 //! * beyond K_i = K_p K_d/m (Routh) the control loop itself is unstable. Friction still bounds
-//!   small motions, and hunting goes on there; large motions grow.
+//!   small motions, and hunting goes on there; large motions grow;
+//! * hunting ends at a larger gain, where the mass no longer stops at its turning points. There the
+//!   limit cycle meets an unstable one without stick, and beyond it all motions grow.
+//!   `orbit::follow` finds this gain.
 //!
 //! ```text
 //! m x'' = −K_p x − K_i ∫x dt − K_d x' − friction,   static friction 75 N, kinetic friction 50 N
@@ -83,18 +86,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!("the loop becomes unstable at K_i = {low:.8}");
-    for gain in [1990.0, 2010.0] {
-        let motion = axis(gain)?.simulate(State::new(&[0.3], &[0.0]), 400.0)?;
-        let late = motion
-            .sample_every(1e-2)?
-            .filter(|(time, ..)| *time > 390.0);
-        let largest = late.fold(0.0, |most: f64, (_, state, _)| {
-            most.max(state.displacements[0])
-        });
-        println!("  K_i = {gain}: {largest:.4} m from the target after 400 s");
+
+    // Along the branch of hunting, to its end and back on the unstable limit cycle.
+    let cycle = hunting(2300.0, 0.12)?;
+    let branch = orbit::follow(axis, 2300.0, &cycle, 2200.0..3000.0)?;
+    let end = branch.bifurcations.first().ok_or("hunting does not end")?;
+    let (period, amplitude) = (end.orbit.period(), end.orbit.amplitude(0));
+    println!("hunting ends at K_i = {:.6}:", end.parameter);
+    println!("  period {period:.6}, amplitude {amplitude:.6}");
+    for gain in [2390.0, 2420.0] {
+        let motion = axis(gain)?.simulate(State::new(&[1.0], &[0.0]), 60.0)?;
+        let late = motion.events().iter().filter(|event| event.time > 50.0);
+        let largest = late.map(|event| event.state.displacements[0]);
+        let largest = largest.fold(0.0, f64::max);
+        println!("  K_i = {gain}: from 1 m to {largest:.4} m after 60 s");
     }
 
-    // The same gain, from farther away.
+    // The smallest gain, from farther away.
     let motion = axis(50.0)?.simulate(State::new(&[0.3], &[0.0]), 40.0)?;
     let (events, last) = (motion.events().len(), motion.last());
     let left = last.displacements[0];

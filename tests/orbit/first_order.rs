@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use stick_slip::bifurcation::hopf_locus;
-use stick_slip::nalgebra::DMatrix;
-use stick_slip::orbit::{self, AttractorKind, Orbit, Period};
+use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::orbit::{self, AttractorKind, BifurcationKind, Orbit, Period};
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Drive, Error, Exponential, FirstOrder, ForceElement, PolynomialSpring,
@@ -366,4 +366,96 @@ fn hunting_is_followed_over_the_gain() {
         "{:?}",
         branch.bifurcations.len()
     );
+}
+
+/// e^A by its series and ten squarings.
+fn exponential(a: DMatrix<f64>) -> DMatrix<f64> {
+    let (part, n) = (a / 1024.0, 3);
+    let mut term = DMatrix::identity(n, n);
+    let mut sum = term.clone();
+    for k in 1..=20 {
+        term = &term * &part / f64::from(k);
+        sum += &term;
+    }
+    (0..10).fold(sum, |power, _| &power * &power)
+}
+
+/// Hunting outlives the stability of the control loop, which ends at 100·20 = 2000. It ends where
+/// the mass no longer sticks at its turning points: the branch turns back there, as a motion
+/// without a stop, beyond which motions grow.
+///
+/// This border as the solution of three equations: in half a period, with friction of 50, x and its
+/// integral change their signs, and at its turning point the mass is just held by 75.
+#[test]
+fn hunting_ends_where_the_mass_no_longer_stops() {
+    let family = |integral: f64| servo(100.0, 20.0, integral);
+    let start = State::new(&[0.3], &[0.0]);
+    let hunting = orbit::settle(&family(2300.0).unwrap(), &start, 60.0, Period::Free(0.8)).unwrap();
+    let branch = orbit::follow(family, 2300.0, &hunting, 2200.0..3000.0).unwrap();
+    let [change] = &branch.bifurcations[..] else {
+        panic!("{:?}", branch.bifurcations)
+    };
+    assert_eq!(change.kind, BifurcationKind::Sequence);
+    let largest = branch.points.iter().map(|point| point.parameter);
+    assert!(largest.fold(0.0, f64::max) <= change.parameter);
+    let both_sides = branch.points.iter().map(|point| {
+        let stops = point.orbit.events().len() == 4;
+        assert_eq!(stops, point.orbit.is_stable(), "{}", point.parameter);
+        stops
+    });
+    let both_sides: Vec<bool> = both_sides.collect();
+    assert!(both_sides.contains(&true) && both_sides.contains(&false));
+
+    // The turning point, half the period and the gain; (x, v, z + 50/K) has no constant force.
+    let residual = |[x, half, gain]: [f64; 3]| {
+        let loop_ =
+            DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, -100.0, -20.0, -gain, 1.0, 0.0, 0.0]);
+        let begin = DVector::from_row_slice(&[x, 0.0, -(100.0 * x + 25.0) / gain]);
+        let end = exponential(loop_ * half) * &begin;
+        let turned = DVector::from_row_slice(&[-x, 0.0, 100.0 / gain - begin[2]]);
+        end - turned
+    };
+    let mut found = [-1.1, 0.33, 2400.0];
+    for _ in 0..20 {
+        let at = residual(found);
+        let columns = [0, 1, 2].map(|k| {
+            let h = 1e-6 * found[k];
+            let mut beside = found;
+            beside[k] += h;
+            (residual(beside) - &at) / h
+        });
+        let step = DMatrix::from_columns(&columns).lu().solve(&at).unwrap();
+        for (number, step) in found.iter_mut().zip(&step) {
+            *number -= step;
+        }
+    }
+    let [x, half, gain] = found;
+    assert!(
+        (change.parameter - gain).abs() < 1e-6 * gain,
+        "{} {gain}",
+        change.parameter
+    );
+    let at = &change.orbit;
+    assert!(
+        (at.period() - 2.0 * half).abs() < 1e-6,
+        "{} {half}",
+        at.period()
+    );
+    assert!(
+        (at.amplitude(0) + x).abs() < 1e-5,
+        "{} {x}",
+        at.amplitude(0)
+    );
+
+    // Motions on both sides, from the same start.
+    let farthest = |gain: f64| {
+        let motion = family(gain)
+            .unwrap()
+            .simulate(State::new(&[1.0], &[0.0]), 60.0)
+            .unwrap();
+        let late = motion.events().iter().filter(|event| event.time > 50.0);
+        late.map(|event| event.state.displacements[0].abs())
+            .fold(0.0, f64::max)
+    };
+    assert!(farthest(2390.0) < 1.0 && farthest(2420.0) > 10.0);
 }
