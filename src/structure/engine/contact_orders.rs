@@ -14,6 +14,7 @@ impl ContactSeries {
     /// Computes order k of a contact with its own coordinate, and order k + 1 of its sliding speed,
     /// from order k of all other accelerations relative to the surface. Returns order k + 1 of the
     /// coordinate's velocity.
+    #[inline(always)]
     pub(super) fn order(&mut self, contact: &ContactData<'_>, k: usize, surface: f64) -> f64 {
         let friction = match self.mode {
             StepMode::Open => 0.0,
@@ -109,10 +110,13 @@ impl ContactSeries {
     pub(super) fn stick_order(&mut self, contact: &ContactData<'_>, k: usize) {
         if self.memories.is_empty() {
             // μ_s is a constant.
+            if k > 0 && !self.load_varies {
+                return;
+            }
             for (bound, limit) in std::iter::zip(&mut self.bounds, self.limits) {
                 bound[k] = if k == 0 {
                     limit_force(self.load[0], limit)
-                } else if self.load_varies && limit.is_finite() {
+                } else if limit.is_finite() {
                     self.load[k] * limit
                 } else {
                     0.0

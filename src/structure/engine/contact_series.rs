@@ -117,6 +117,20 @@ impl ContactSeries {
         self.carried_rounding[k] + ROUNDING * self.bound(side)[k].abs()
     }
 
+    /// Sets the bounds to 0.
+    #[inline]
+    pub(super) fn clear_bounds(&mut self) {
+        let is_constant = self.memories.is_empty() && !self.load_varies;
+        for bound in &mut self.bounds {
+            if is_constant {
+                // It has no other terms.
+                bound[0] = 0.0;
+            } else {
+                *bound = PowerSeries::ZERO;
+            }
+        }
+    }
+
     /// Keeps the memory constant.
     pub(super) fn hold_memory(&mut self, memory: &[f64]) {
         for (series, memory) in std::iter::zip(&mut self.memories, memory) {

@@ -56,6 +56,12 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
             false => force.series(clock),
         };
         let (diagonal, beside) = model.inverse_mass.row(j);
+        if beside.is_empty() {
+            if model.is_driven[j] {
+                series.coordinates[j].force = force.scaled(diagonal);
+            }
+            continue;
+        }
         for &(i, a) in std::iter::once(&(j, diagonal)).chain(beside) {
             if model.is_driven[i] {
                 series.coordinates[i].force.add(a, &force);
@@ -96,7 +102,7 @@ pub(super) fn expand(
         // Orders that are not computed now must not keep the values of the step before.
         for of in &mut series.contacts {
             (of.speeds, of.carried) = (PowerSeries::ZERO, PowerSeries::ZERO);
-            of.bounds = [PowerSeries::ZERO; 2];
+            of.clear_bounds();
             if of.load_varies {
                 of.load = PowerSeries::ZERO;
             }
@@ -178,8 +184,11 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
         }
         watch(model, series, orders);
     } else {
+        let has_springs = !(model.springs.is_empty()
+            && model.elements.is_empty()
+            && model.first_order.is_empty());
         for k in orders {
-            if k > 0 {
+            if k > 0 && has_springs {
                 spring_order(model, series, k);
             }
             all_of(model, series, k, 0..n);
@@ -316,7 +325,8 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
             // These series are not computed again.
             coordinate.motion = DisplacementSeries::ZERO;
             let of = &mut series.contacts[c];
-            (of.speeds, of.bounds) = (PowerSeries::ZERO, [PowerSeries::ZERO; 2]);
+            of.speeds = PowerSeries::ZERO;
+            of.clear_bounds();
         }
         coordinate.role = role;
         coordinate.motion.start(displacement, velocity);
