@@ -185,6 +185,8 @@ impl Side {
     /// The end of a branch between two sides, if the motion jumps there.
     fn jump_to(&self, beyond: &Self) -> Option<(f64, BranchEnd)> {
         let same = self.alike(beyond, SAME);
+        // Motions part at an event of a contact: where one of them just touches a stop, the jump of
+        // the stop's force is 0, and the motion continuous.
         let first = [self, beyond].map(|side| {
             let mut others = side.events.iter().skip(same);
             others.find_map(|&(time, element, _)| Some((time, element.contact()?)))
