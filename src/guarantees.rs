@@ -108,9 +108,9 @@
 //!
 //! A [`Structure`](crate::Structure) is integrated by the same method. The defect of each Taylor
 //! series of order 26 is checked, every event is an isolated root of a polynomial, and known roots
-//! at the start of slip are divided out. Errors are typed. Only the stiff memory of a slipping
-//! contact, such as bristles, is followed on the slow manifold; other stiffness shortens the
-//! (explicit) steps.
+//! at the start of slip are divided out. Errors are typed. Where friction rises steeply with the
+//! sliding speed, or the memory of a slipping contact is stiff, such as bristles, the motion is
+//! followed on its slow manifold; other stiffness shortens the (explicit) steps.
 //!
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
@@ -219,6 +219,16 @@
 //! * **Stiff bristles.** The number of steps in slip does not grow with the stiffness of the
 //!   bristles (tried up to σ0 = 10¹²):
 //!   `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
+//! * **Steep friction.** The number of steps in slip does not grow with the slope of friction by
+//!   the sliding speed (tried up to 10¹⁵), at any number of contacts, also of contacts that share
+//!   masses. On the slow manifold a sliding speed has a relative error of the tolerance, or that of
+//!   rounding: 16 ε f/(s f') of the friction f at the sliding speed s. Where two of these steps
+//!   meet, sliding speeds may differ by up to 8 of these errors:
+//!   `structures::stiff_speed::work_does_not_grow_with_the_stiffness`,
+//!   `structures::stiff_speed::one_mass_moves_as_on_its_belt`,
+//!   `structures::stiff_speed::several_contacts_move_as_one`,
+//!   `structures::stiff_speed::a_contact_between_masses_leaves_their_common_motion`,
+//!   `structures::stiff_speed::two_masses_move_as_by_an_implicit_method`.
 //! * **Units** do not matter, as long as the angular frequencies and rates of a structure are
 //!   between 1e-9 and 1e10 per unit of time. Steps are at most 2³² units long, so slower motions
 //!   take more steps; faster ones end in [`Error::StepUnderflow`](crate::Error::StepUnderflow),

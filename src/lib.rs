@@ -70,7 +70,7 @@
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
-//! | rate-and-state friction | [`RateState`] in a [`Structure`], at speeds at which it is not stiff; formulas in [`analysis::rate_state`] |
+//! | rate-and-state friction, earthquakes, laboratory sliders | [`RateState`] in a [`Structure`]; formulas in [`analysis::rate_state`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
@@ -176,10 +176,10 @@
 //!   forces that jump with the displacement.
 //! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
 //!   steep friction as in the cubic law far above its minimum) does not increase the number of
-//!   steps, up to D of about 1e20. In structures stiffness does not increase the number of steps in
-//!   slip on contacts with one stiff memory variable, such as bristles (tried up to a bristle
-//!   stiffness σ0 = 1e12). Other stiffness shortens the explicit steps; extreme stiffness ends in
-//!   [`Error::StepUnderflow`] or [`Error::TooManySteps`].
+//!   steps, up to D of about 1e20. In structures neither steep friction nor the stiffness of one
+//!   memory variable, such as bristles, increases the number of steps in slip (tried up to a slope
+//!   of 1e15 and a bristle stiffness σ0 = 1e12). Other stiffness shortens the explicit steps;
+//!   extreme stiffness ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the

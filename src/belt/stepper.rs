@@ -7,7 +7,9 @@ use super::model::Belt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
 use crate::friction::slip::{Expander, Expansion, Known, SlipPoint};
-use crate::motion::step_control::{self, Allowance, Attempt, FARTHEST, LONG, SETTLING, STIFF};
+use crate::motion::step_control::{
+    self, Allowance, Attempt, FARTHEST, LONG, LOOSEST, SETTLING, STIFF,
+};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
 
@@ -53,12 +55,6 @@ struct Plan {
 /// Let H be the mean of D between |v_b| and s; then v' = −(u − ū) − Hv. If neither H nor D exceeds
 /// 32, v or v' is therefore at least 1/64 of u − ū.
 const BEYOND: f64 = 64.0;
-
-/// The largest tolerance of a stiff system. Its errors are measured in units of v and v_b, and must
-/// be small relative to the speeds over which the law is nonlinear; otherwise the motion does not
-/// reach the slow manifold. A small tolerance costs little, because the length of a step grows only
-/// like tolerance^(1/26).
-const LOOSEST: f64 = 1e-12;
 
 /// Computes Taylor steps within slip phases of one system, which is an argument of each call: see
 /// `Machine` in `flow.rs`.

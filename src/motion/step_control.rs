@@ -25,6 +25,12 @@ pub(crate) const STIFF: f64 = 8.0;
 /// manifold. D is the rate at which deviations from it decay.
 pub(crate) const SETTLING: f64 = 7.0;
 
+/// The largest tolerance of a stiff system. Its errors are measured in units of v and v_b, and must
+/// be small relative to the speeds over which the law is nonlinear; otherwise the motion does not
+/// reach the slow manifold. A small tolerance costs little, because the length of a step grows only
+/// like tolerance^(1/26).
+pub(crate) const LOOSEST: f64 = 1e-12;
+
 /// The defect that rounding alone may cause, in units of ε times the largest term of the equation
 /// of motion. Rounding seldom causes more than 8.
 const DEFECT_FLOOR: f64 = 1000.0;

@@ -1,6 +1,6 @@
 //! The coefficients of the variational equations.
 
-use crate::series::PowerSeries;
+use crate::series::{PowerSeries, TERMS};
 
 /// A coefficient of the variational equations.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,11 @@ impl Coefficient {
 
     /// Returns this coefficient as a series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
-        Self::from(self.series.shifted(time))
+        // Where a stiff contact settles, high orders overflow.
+        let is_beyond = |k: &usize| *k > 0 && !self.series[*k].is_finite();
+        let kept = (0..TERMS).find(is_beyond).unwrap_or(TERMS);
+        let finite = |k: usize| if k < kept { self.series[k] } else { 0.0 };
+        Self::from(PowerSeries::from_fn(finite).shifted(time))
     }
 }
 

@@ -1,6 +1,8 @@
 //! The power series of several perturbations, computed together: each sum of the variational
 //! equations is computed for all of them at once, in vector registers.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use super::coefficient::Coefficient;
@@ -37,7 +39,7 @@ const SHORT: usize = 6;
 /// The series of derivatives have the radius of convergence of the motion, but coefficients that
 /// are larger by about the factor k at order k. With the bound ε that is used for motions, most
 /// steps would have to be divided in two parts.
-const LAST_TERM: f64 = 64.0 * f64::EPSILON;
+pub(super) const LAST_TERM: f64 = 64.0 * f64::EPSILON;
 
 /// The variational equations along one step.
 #[derive(Clone, Copy)]
@@ -61,6 +63,11 @@ impl<'e> Equations<'e> {
         }
     }
 
+    /// Number of coefficients.
+    pub(super) fn terms(&self) -> usize {
+        self.terms
+    }
+
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
         let elements = self.linear.elements.iter();
@@ -70,12 +77,17 @@ impl<'e> Equations<'e> {
 
     /// The series of perturbations whose values at time 0 are given.
     pub(super) fn expand<const W: usize>(&self, rows: &mut Rows<W>) {
+        self.expand_orders(rows, 0..self.terms - 1);
+    }
+
+    /// Some orders of them: k of the displacements and velocities gives k + 1.
+    pub(super) fn expand_orders<const W: usize>(&self, rows: &mut Rows<W>, orders: Range<usize>) {
         fused::compute(
-            self,
+            &(self, orders),
             &mut &mut *rows,
             #[inline(always)]
-            |equations, rows| equations.expand_by::<W, true>(rows),
-            |equations, rows| equations.expand_by::<W, false>(rows),
+            |(equations, orders), rows| equations.expand_by::<W, true>(rows, orders),
+            |(equations, orders), rows| equations.expand_by::<W, false>(rows, orders),
         );
     }
 
@@ -91,7 +103,11 @@ impl<'e> Equations<'e> {
     }
 
     #[inline(always)]
-    fn expand_by<const W: usize, const FUSED: bool>(&self, rows: &mut Rows<W>) {
+    fn expand_by<const W: usize, const FUSED: bool>(
+        &self,
+        rows: &mut Rows<W>,
+        orders: &Range<usize>,
+    ) {
         let Self { model, linear, .. } = *self;
         let (n, contacts) = (model.len(), model.contacts.len());
         let (states, derived) = rows.split_at_mut(self.order);
@@ -100,7 +116,7 @@ impl<'e> Equations<'e> {
         let (slips, derived) = derived.split_at_mut(contacts);
         let (loads, inputs) = derived.split_at_mut(contacts);
         // A constant range, so that the compiler knows which coefficients there are.
-        for k in (0..LONG - 1).take(self.terms - 1) {
+        for k in (0..LONG - 1).take(orders.end).skip(orders.start) {
             // −(k + 1) v_{k+1}
             for i in 0..n {
                 let mut sum = [0.0; W];
@@ -299,6 +315,7 @@ impl<'e> Equations<'e> {
                 };
                 let is_given = scale >= f64::MIN_POSITIVE;
                 let unit = if is_given { scale.recip() } else { 0.0 };
+                finite[lane] += 0.0 * row[self.terms - 1][lane];
                 for (most, k) in std::iter::zip(&mut most, last) {
                     finite[lane] += 0.0 * row[k][lane];
                     most[lane] = f64::max(most[lane], unit * row[k][lane].abs());

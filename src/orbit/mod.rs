@@ -6,6 +6,7 @@
 // | `translation.rs` | translations that no force depends on, up to which motions are periodic |
 // | `coefficient.rs`, `linear.rs`, `elements.rs` | coefficients of the variational equations along one step, as power series; those of force elements |
 // | `lanes.rs` | power series of several perturbations, side by side |
+// | `settling.rs` | those of a motion on a slow manifold |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `phase.rs` | steps with the same constant coefficients, which one matrix exponential carries |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
@@ -232,6 +233,7 @@ mod ranges;
 mod saltation;
 mod sensitivity;
 mod sequence;
+mod settling;
 mod shoot;
 mod spectrum;
 mod springs;

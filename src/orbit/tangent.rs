@@ -26,6 +26,7 @@ use super::hold::{HeldFlow, Hold, Touch};
 use super::lanes::{Equations, LONG};
 use super::linear::Linear;
 use super::phase::{Phase, ends_phase};
+use super::settling::{Settling, stiffest};
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
@@ -245,8 +246,12 @@ fn advance<const W: usize>(
 ) -> Result<(), Error> {
     /// Numbers in a line of the cache.
     const LINE: usize = 8;
-    /// The shortest part of a step.
+    /// The shortest part of a step, unless velocities of stiff contacts settle in it.
     const SHORTEST: f64 = 1e-9;
+    /// Length of an explicit step in units of 1/D, about.
+    const STABLE: f64 = 10.0;
+    /// Of so few orders none overflows.
+    const FEWEST: usize = 7;
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
     // At the start of a line of the cache: registers as long as a line are loaded at once from
@@ -266,7 +271,24 @@ fn advance<const W: usize>(
     loop {
         let equations = Equations::new(form, &linear, terms);
         equations.expand(rows);
-        let part = equations.reach(rows, left);
+        let mut part = equations.reach(rows, left);
+        let stiffest = stiffest(&form.model, &linear);
+        while part.is_nan() && stiffest > 0.0 && terms > FEWEST {
+            // Where a stiff contact settles, high orders overflow.
+            terms = 3 * terms / 4;
+            part = Equations::new(form, &linear, terms).reach(rows, left);
+        }
+        let stable = part.max(STABLE / stiffest);
+        if stable < left {
+            let equations = Equations::new(form, &linear, LONG);
+            let settling = Settling::within(&form.model, &linear, stable);
+            let slow = settling.and_then(|settling| settling.expand(&equations, rows, left));
+            match slow {
+                Some(reach) => (part, terms) = (reach, LONG),
+                None => Equations::new(form, &linear, terms).expand(rows),
+            }
+        }
+        let equations = Equations::new(form, &linear, terms);
         if part.is_nan() {
             columns.iter_mut().for_each(|column| column.fill(f64::NAN));
             return Ok(());
@@ -286,7 +308,7 @@ fn advance<const W: usize>(
         left -= part;
         terms = equations.terms_for(left, part);
         let reached = || reached(h - left);
-        if part < SHORTEST * h {
+        if part < SHORTEST * h && stiffest * part < 1.0 {
             return Err(form.too_many(reached()));
         }
         form.count(&reached)?;

@@ -31,6 +31,7 @@ mod measures;
 mod opening;
 mod random_sensitivities;
 mod ranges;
+mod rate_state;
 mod references;
 mod retracing;
 mod seam;

@@ -38,6 +38,25 @@ fn meet(worst: &mut Worst, what: &str, found: &State, expected: &State) {
     worst.meet_all(1.0, what, &found.memory, &expected.memory);
 }
 
+/// How many times larger than friction a spring's force is: where the end of the spring moves, and
+/// not the surface, friction balances a difference, which has the rounding errors of its terms.
+fn digits_lost(case: &Value) -> f64 {
+    let system = &case["system"];
+    let (1, Value::String(_)) = (
+        list(&system["contacts"]).len(),
+        &system["contacts"][0]["N0"],
+    ) else {
+        return 1.0;
+    };
+    let contact = &system["contacts"][0];
+    let friction = number(&contact["law_params"]["f0"]) * number(&contact["N0"]);
+    let forces = list(&case["states"]).iter().map(|state| {
+        let stiffness = number(&list(&system["K"])[0][0]);
+        (stiffness * number(&list(&state["q"])[0])).abs()
+    });
+    forces.fold(friction, f64::max) / friction
+}
+
 /// Errors at round-off, of a motion whose speeds have a relative error of f/a roundings, and by the
 /// tolerance: the first is the largest that is met, at the default tolerance.
 #[test]
@@ -45,13 +64,10 @@ fn motions_have_the_reference_events_and_states() {
     let (mut events, mut states) = (0, 0);
     for case in trajectories() {
         let id = text(&case["id"]);
-        // φ and φ' are 0 at the start: no step is short enough.
-        if ["rt_03", "rt_12"].contains(&id) {
-            continue;
-        }
         let system = remembering(&case["system"]);
         let start = state(&case, &case["start"]);
-        for (tolerance, allowed) in [(None, 3e-14), (Some(1e-12), 3e-11), (Some(1e-9), 1e-7)] {
+        let rounding = 3e-14 * digits_lost(&case);
+        for (tolerance, allowed) in [(None, rounding), (Some(1e-12), 3e-11), (Some(1e-9), 1e-7)] {
             let mut integrator = Integrator::new();
             if let Some(tolerance) = tolerance {
                 integrator = integrator.with_tolerance(tolerance).unwrap();
@@ -90,7 +106,7 @@ fn motions_have_the_reference_events_and_states() {
             worst.assert(id, allowed);
         }
     }
-    assert_eq!((events, states), (3 * 46, 3 * 33));
+    assert_eq!((events, states), (3 * 48, 3 * 40));
 }
 
 /// arsinh and logarithm, and exponentials that overflow.

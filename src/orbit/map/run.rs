@@ -47,10 +47,10 @@ pub(in crate::orbit) fn held_period_map(
     let identity = DMatrix::identity(order, order);
     let mut flow = TangentFlow::new(form, settings, (time, start), holds, identity)?;
     let mut steps: Vec<Step> = Vec::new();
-    let mut first_flow = None;
+    let (mut is_first, mut first_flow) = (true, None);
     // The derivative from the start to the cut, after which `flow.tangents` begin again, and the
     // flow at the cut.
-    let mut head = (DMatrix::identity(order, order), DVector::zeros(order));
+    let mut head = (DMatrix::identity(order, order), None);
     let mut held = Vec::new();
     let mut dead = 0;
     while steps.last().is_none_or(|step| step.end_time() < end_time) {
@@ -60,21 +60,26 @@ pub(in crate::orbit) fn held_period_map(
         let step = step?;
         // Within a phase nothing vanishes.
         if step.duration() > 0.0 && flow.is_finished() {
-            let rates = flow_of(&step, n);
+            // Where a contact creeps, a start whose speed is off by a rounding flows back at the
+            // rate D. At the end it has settled, and a closed motion has the same flow there.
+            let is_settled = !is_first || form.model.creeping.is_empty();
+            let rates = is_settled.then(|| flow_of(&step, n));
             let rows = dead_rows(&flow.tangents);
             let sticking = held_by(form, step.modes());
             let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.is_held(row);
             let now = rows.iter().enumerate().filter(dead_alone).count()
                 + sticking.len()
                 + forgetting(form, step.modes());
-            if first_flow.is_none() || now > dead {
+            if is_first || now > dead {
                 let alive = rows.iter().map(|dead| f64::from(u8::from(!dead)));
                 let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
                 let since = flow.replace(alive);
                 head = (since * head.0, rates.clone());
                 (dead, held) = (now, sticking);
             }
-            first_flow.get_or_insert(rates);
+            if is_first {
+                (is_first, first_flow) = (false, rates);
+            }
         }
         flow.carry(&step)?;
         steps.push(step);
@@ -101,10 +106,12 @@ pub(in crate::orbit) fn held_period_map(
     let translations = translations(form, never_slips(&steps));
     let [from, to] = [start, &end].map(|state| vector(state, order));
     let mut moved = &to - &from;
-    let mut flows = [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow];
+    let settled = |flow: Option<DVector<f64>>| flow.unwrap_or_else(|| last_flow.clone());
+    let mut cut_flow = settled(head.1);
+    let mut flows = [settled(first_flow), last_flow];
     for translation in &translations {
         translation.remove_from(moved.as_mut_slice());
-        for flow in flows.iter_mut().chain([&mut head.1]) {
+        for flow in flows.iter_mut().chain([&mut cut_flow]) {
             translation.remove_from(flow.as_mut_slice());
         }
         if !translation.is_held {
@@ -134,7 +141,7 @@ pub(in crate::orbit) fn held_period_map(
         flow: flows,
         depends,
         memory_units: form.memory_units(),
-        cycle: (cycle, head.1),
+        cycle: (cycle, cut_flow),
         held,
         end,
         steps,

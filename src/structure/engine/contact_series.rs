@@ -62,6 +62,9 @@ pub(super) struct ContactSeries {
     /// D, the rate at which the memory relaxes, if its series is that of the slow manifold;
     /// otherwise 0.
     pub(super) relaxation: f64,
+    /// D, the rate at which the sliding speed settles, if its series is that of the slow manifold;
+    /// otherwise 0.
+    pub(super) settling: f64,
     pub(super) tape: Tape,
 }
 
@@ -92,6 +95,7 @@ impl ContactSeries {
             memories: vec![PowerSeries::ZERO; count],
             rates: vec![0.0; count],
             relaxation: 0.0,
+            settling: 0.0,
             tape: Tape::new(),
         }
     }

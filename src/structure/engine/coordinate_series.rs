@@ -60,6 +60,11 @@ impl DisplacementSeries {
         self.newest = coefficient;
     }
 
+    /// Takes the velocity coefficient of order k for the highest one again.
+    pub(super) fn begin_order(&mut self, k: usize) {
+        self.newest = self.velocity(k);
+    }
+
     /// Takes v = σy + w from the series of y and w, from coefficient 1 on.
     pub(super) fn follow(&mut self, side: f64, speeds: &PowerSeries, surface: &PowerSeries) {
         for k in 1..TERMS {

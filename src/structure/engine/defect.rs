@@ -6,7 +6,7 @@ use super::contact_series::ContactSeries;
 use super::element::ElementData;
 use super::element_series::ElementSeries;
 use super::model::Model;
-use super::plan::Plan;
+use super::plan::{Plan, memory_scale};
 use super::series::Series;
 use super::slow::relaxation;
 use super::state::{ContactState, Phase, Situation};
@@ -65,11 +65,12 @@ pub(super) fn is_accepted(
         let scale = at_contacts[owner].largest_bound().max(plan.sizes[owner]);
         Some(Allowance::new(plan.tolerance * scale, scale))
     };
+    let lasting = |j: usize| plan.lasting(j, h);
     contacts
         && std::iter::zip(&model.elements, elements)
             .filter(|(_, of)| of.acts)
             .all(|(element, of)| match element.pressed {
-                None => force_is_accepted((element, of), plan, &held, checks),
+                None => force_is_accepted((element, of), plan, (&held, &lasting), checks),
                 Some(c) => {
                     // Within the errors that the coefficients of a load may have.
                     let (defects, size) = (defects(element, of, checks)[0], plan.loads[c]);
@@ -127,7 +128,7 @@ fn defects<'s>(
 fn force_is_accepted(
     (element, of): (&ElementData<'_>, &mut ElementSeries),
     plan: &Plan,
-    held: &dyn Fn(usize) -> Option<Allowance>,
+    (held, lasting): (&dyn Fn(usize) -> Option<Allowance>, &dyn Fn(usize) -> f64),
     checks: Checks,
 ) -> bool {
     let of_forces = defects(element, of, checks);
@@ -144,7 +145,7 @@ fn force_is_accepted(
         }
         match held(j) {
             Some(allowance) => allowance.accepts(defects, 1.0),
-            None => plan.coordinates[j].accepts(defects, checks.h),
+            None => plan.coordinates[j].accepts(defects, lasting(j)),
         }
     })
 }
@@ -229,7 +230,12 @@ impl ContactStep<'_> {
             at_minima += self.defects(slip, &[times], values)[0];
         });
         self.allowance
-            .accepts([at_quarters, at_minima, between], self.h)
+            .accepts([at_quarters, at_minima, between], self.lasting(self.h))
+    }
+
+    /// How much of a time a defect has an effect on the sliding speed: 1/D on a slow manifold.
+    fn lasting(&self, time: f64) -> f64 {
+        time.min(self.series.settling.recip())
     }
 
     /// The defect of the series at each group of four times, up to terms as small as its last: max
@@ -379,7 +385,8 @@ impl ContactStep<'_> {
             let memory = &|j: usize| self.series.memories[j].at(times[i]);
             let value = self.contact.law.coefficient(slip, memory) * slip.direction;
             let missing = (loads[i] * (value - friction[i])).abs();
-            self.allowance.accepts([missing; 3], lasting[i])
+            self.allowance
+                .accepts([missing; 3], self.lasting(lasting[i]))
         })
     }
 
@@ -405,6 +412,7 @@ impl ContactStep<'_> {
             });
             let [value, at_slowest] = [here, there].map(|slip| law.coefficient(slip, memory));
             let all = load * (value - at_slowest);
+            let lasting = self.lasting(lasting);
             counts |= !self.allowance.accepts([all.abs(); 3], lasting);
         }
         counts
@@ -434,6 +442,6 @@ impl ContactStep<'_> {
     /// The size by which errors of a variable of the memory are measured.
     fn memory_scale(&self, j: usize) -> f64 {
         let series = &self.series.memories[j];
-        series[0].abs().max(series[1].abs() * self.h)
+        memory_scale(series[0], series, self.h)
     }
 }

@@ -14,6 +14,7 @@ use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
+use super::stiff::Stiff;
 use crate::force::stop::CLOSED;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -125,6 +126,30 @@ pub(super) fn expand_further(
     first: usize,
 ) {
     all_orders(model, situation, series, first..ALL);
+}
+
+/// The same as [`expand`] if some contacts are on a slow manifold: one pass to it. Returns false if
+/// there is none.
+pub(super) fn expand_slow(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &mut Series,
+    stiff: &mut Stiff,
+) -> bool {
+    start(model, situation, series);
+    let is_delicate = is_delicate(model, situation);
+    let found = (0..ALL).all(|k| {
+        let mut evaluate = |series: &mut Series| {
+            for coordinate in &mut series.coordinates {
+                coordinate.motion.begin_order(k);
+            }
+            spring_order(model, series, k);
+            all_of(model, series, k, 0..model.len());
+            shared_order(model, situation, series, k, is_delicate);
+        };
+        stiff.order(model, situation, series, k, &mut evaluate)
+    });
+    found && law_fault(model, situation, series).is_none()
 }
 
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {

@@ -23,7 +23,8 @@
 //! | `springs.rs` | elastic contacts, and normal springs |
 //! | `elements.rs`, `passages.rs` | force elements and stops; where pieces of their laws meet |
 //! | `first_order.rs`, `first_orders.rs` | first-order states: their data, and their orders |
-//! | `slow.rs` | the slow manifold of stiff bristles |
+//! | `slow.rs`, `stiff.rs` | the slow manifold of stiff bristles, and of contacts stiff in the speed |
+//! | `directions.rs` | the directions of such contacts |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
 //! | `step_end.rs` | the state at the end of a step |
@@ -42,6 +43,7 @@ mod contact_series;
 mod coordinate_series;
 mod coupling;
 mod defect;
+pub(crate) mod directions;
 mod edge;
 pub(crate) mod element;
 mod element_series;
@@ -72,6 +74,7 @@ pub(crate) mod sparse;
 mod springs;
 mod state;
 mod step_end;
+mod stiff;
 
 use std::sync::Arc;
 
@@ -100,7 +103,7 @@ use crate::error::{Element, Error};
 use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
-use crate::series::{PowerSeries, quarters};
+use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -122,6 +125,9 @@ pub(super) struct Engine<'s> {
 
 /// A number that can be halved; in any unit.
 const LONGEST_STEP: f64 = 4294967296.0;
+
+/// Most orders that a step may do without.
+const MOST_DROPPED: usize = TERMS - 6;
 
 impl<'s> Engine<'s> {
     /// The structure at its start, with the events at the start time.
@@ -258,18 +264,37 @@ impl<'s> Engine<'s> {
         if is_linear(model, situation, series) {
             return self.settle_linear(to_break).map(settled);
         }
-        if !is_finite(situation, series) {
-            return Err(self.underflow(0.0));
-        }
-        let explicit = plan_reach(
+        let is_finite = is_finite(situation, series);
+        control.plan.dropped = 0;
+        let mut explicit = plan_reach(
             model,
             situation,
             series,
             control.tolerance,
             &mut control.plan,
         );
+        let is_stiff = control.plan.is_stiff();
+        let mut dropped = 0;
+        if is_stiff {
+            dropped = series.truncate();
+        } else if !is_finite {
+            return Err(self.underflow(0.0));
+        }
+        if dropped > 0 {
+            control.plan.dropped = dropped;
+            let (tolerance, plan) = (control.tolerance, &mut control.plan);
+            explicit = plan_reach(model, situation, series, tolerance, plan);
+        }
+        // A slow manifold may have a series all the same.
+        let explicit = if dropped > MOST_DROPPED {
+            0.0
+        } else {
+            explicit
+        };
         let reach = slow::relax(model, situation, series, control, explicit);
-        let elapsed = situation.clock.time.abs();
+        // Time is a sum of two numbers.
+        let resolution = if is_stiff { f64::EPSILON } else { 1.0 };
+        let elapsed = resolution * situation.clock.time.abs();
         // If nothing limits the step, the motion is a polynomial, and valid at any time.
         let farthest = LONGEST_STEP.min(model.foresight(situation.clock));
         let cut = reach.min(control.longest).min(farthest);

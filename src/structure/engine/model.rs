@@ -49,7 +49,7 @@ pub(crate) struct Model<'s> {
     /// Number of memory variables of all contacts.
     of_contacts: usize,
     /// The contacts whose laws creep: see [`ContactLaw::creeps`](crate::ContactLaw::creeps).
-    pub(super) creeping: Vec<usize>,
+    pub(crate) creeping: Vec<usize>,
     /// Kinematics of all contacts, shared with the steps of motions.
     pub(super) kinematics: Arc<[Kinematics]>,
     /// The number of the contact that a coordinate has to itself.
@@ -349,6 +349,39 @@ impl<'s> Model<'s> {
         if self.sprung.is_empty() && self.elements.is_empty() {
             return self.time_unit;
         }
+        let (sums, fastest) = self.stiffness_sums(mode, tangents);
+        let elastic = largest(sums.into_iter());
+        if elastic > 0.0 || fastest > self.loop_rate {
+            elastic.sqrt().max(fastest).recip()
+        } else {
+            self.time_unit
+        }
+    }
+
+    /// The same if some coordinates have no motion of their own, because contacts damp it at these
+    /// rates D; 0 for the others. Under a stiffness k they relax at the rate k/D.
+    pub(super) fn slow_time_unit<'t>(
+        &self,
+        damped: impl Fn(usize) -> f64,
+        mode: impl Fn(usize) -> Mode,
+        tangents: impl Fn(usize) -> &'t [Vec<f64>],
+    ) -> f64 {
+        let (sums, fastest) = self.stiffness_sums(mode, tangents);
+        let rates = sums.into_iter().enumerate();
+        let rates = rates.map(|(i, stiffness)| match damped(i) {
+            0.0 => stiffness.sqrt(),
+            damped => stiffness / damped,
+        });
+        largest(rates).max(fastest).recip()
+    }
+
+    /// Σ_j |M⁻¹K|_ij of each coordinate, with the springs and force elements of
+    /// [`time_unit_with`](Self::time_unit_with); and the fastest rate of first-order states.
+    fn stiffness_sums<'t>(
+        &self,
+        mode: impl Fn(usize) -> Mode,
+        tangents: impl Fn(usize) -> &'t [Vec<f64>],
+    ) -> (Vec<f64>, f64) {
         let mut sums: Vec<f64> = row_sums(&self.stiffness).collect();
         let mut fastest = self.loop_rate;
         for &c in &self.springs {
@@ -397,12 +430,7 @@ impl<'s> Model<'s> {
                 }
             }
         }
-        let elastic = largest(sums.into_iter());
-        if elastic > 0.0 || fastest > self.loop_rate {
-            elastic.sqrt().max(fastest).recip()
-        } else {
-            self.time_unit
-        }
+        (sums, fastest)
     }
 
     /// The contacts that a shared one is coupled with: G_cd/√(G_cc G_dd).

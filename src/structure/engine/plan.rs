@@ -1,11 +1,14 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
+use super::contact_series::ContactSeries;
 use super::coordinate_series::DisplacementSeries;
 use super::model::Model;
 use super::series::Series;
 use super::sizes::{load_terms, terms};
-use super::state::{Phase, Situation};
-use crate::motion::step_control::{Allowance, FARTHEST, reach, root_of_ratio};
+use super::state::{ContactState, Phase, Situation};
+use super::stiff::Stiff;
+use crate::friction::memory::{Motion, Slip};
+use crate::motion::step_control::{Allowance, FARTHEST, LOOSEST, STIFF, reach, root_of_ratio};
 use crate::series::{PowerSeries, TERMS};
 
 /// Largest time, in lengths of a step, over which the change of a velocity is used as its scale.
@@ -14,6 +17,10 @@ use crate::series::{PowerSeries, TERMS};
 /// over the time unit is far larger than the velocity before friction stops the mass. An error that
 /// is small compared with this change could be as large as the velocity itself.
 const BEYOND: f64 = 16.0;
+
+/// Rounding of the terms of the equation of a stiff contact, in parts of ε, that its speed may have
+/// as error: the forces balance to ε, the speed to ε N μ G/D.
+const HOVER: f64 = 16.0;
 
 /// The data that control the lengths of steps and are passed from step to step.
 #[derive(Debug, Clone)]
@@ -28,8 +35,13 @@ pub(super) struct Control {
     pub(super) pause: u32,
     /// The series of the last pass to the slow manifold.
     pub(super) pass_before: Vec<PowerSeries>,
-    /// The contacts whose memories were set to be slow in the last trial.
+    /// The contacts whose memories, and whose speeds, were set to be slow in the last trial.
     pub(super) begun: Vec<usize>,
+    pub(super) begun_speeds: Vec<usize>,
+    /// The contacts with slow speeds in the last trial.
+    pub(super) stiff: Stiff,
+    /// The errors that the last step left in the speeds of contacts, if they were slow.
+    pub(super) errors_left: Vec<f64>,
     /// The errors of the step under way.
     pub(super) plan: Plan,
 }
@@ -54,6 +66,13 @@ pub(super) struct Plan {
     pub(super) loads: Vec<f64>,
     /// Rate at which a perturbation of each velocity decays.
     closings: Vec<f64>,
+    /// The same of each contact's sliding speed, if it is stiff; otherwise 0.
+    pub(super) stiff: Vec<f64>,
+    /// Number of the last orders that no series has, because they overflow.
+    pub(super) dropped: usize,
+    /// In a slow step, true for each coordinate that its contacts leave no motion of its own;
+    /// otherwise empty.
+    pub(super) slaved: Vec<bool>,
     /// Scale of each velocity, and the size of the terms of its equation.
     scales: Vec<(f64, f64)>,
 }
@@ -67,7 +86,25 @@ impl Control {
             pause: 0,
             pass_before: Vec::with_capacity(model.len() + model.remembered()),
             begun: Vec::with_capacity(model.contacts.len()),
+            begun_speeds: Vec::new(),
+            stiff: Stiff::default(),
+            errors_left: Vec::new(),
             plan: Plan::default(),
+        }
+    }
+}
+
+impl Plan {
+    /// Returns true if a contact is stiff in the sliding speed.
+    pub(super) fn is_stiff(&self) -> bool {
+        self.stiff.iter().any(|&rate| rate > 0.0)
+    }
+
+    /// How much of a time a force on a coordinate has an effect: 1/D on a slow manifold.
+    pub(super) fn lasting(&self, i: usize, time: f64) -> f64 {
+        match self.slaved.get(i) {
+            Some(true) => time.min(self.closings[i].recip()),
+            _ => time,
         }
     }
 }
@@ -168,6 +205,25 @@ pub(super) fn plan_reach(
         }
     }
     plan.unit = time_unit(model, situation, series, scales);
+    plan.stiff.clear();
+    for (c, state) in situation.contacts.iter().enumerate() {
+        let rate = settling(model, situation, series, c);
+        let is_stiff = rate * plan.unit > STIFF
+            && plan.unit.is_finite()
+            && rate * rate > 4.0 * springiness(model, state, series, (c, rate));
+        plan.stiff.push(if is_stiff { rate } else { 0.0 });
+    }
+    if series.contacts.iter().all(|of| of.settling == 0.0) {
+        plan.slaved.clear();
+    } else {
+        let damped = |i: usize| match plan.slaved[i] {
+            true => plan.closings[i],
+            false => 0.0,
+        };
+        let tangents = |e: usize| &series.elements[e].tangents[..];
+        let mode = |c: usize| situation.contacts[c].mode();
+        plan.unit = model.slow_time_unit(damped, mode, tangents);
+    }
     // A velocity that a drive changes has its size after one radian of the drive.
     let mut within = plan.unit.min(model.drive_unit);
     loop {
@@ -207,6 +263,7 @@ fn plan_within(
     let reaches = Reach {
         tolerance,
         has_gaps: series.is_pushed() || !model.functions.is_empty(),
+        dropped: plan.dropped,
     };
     plan.within = within;
     let scales = &mut plan.scales;
@@ -229,6 +286,15 @@ fn plan_within(
     let mut farthest = FARTHEST * plan.unit;
     plan.coordinates.clear();
     for (i, &(own, terms)) in scales.iter().enumerate() {
+        if let Some(c) = model.owner[i].filter(|&c| plan.stiff[c] > 0.0) {
+            let of = &series.contacts[c];
+            let error = stiff_error(tolerance, &situation.contacts[c], of, plan.stiff[c], within)
+                .max(HOVER * f64::EPSILON * terms / plan.stiff[c]);
+            farthest = farthest.min(reaches.of(error, &of.speeds, TERMS - 1));
+            farthest = farthest.min(reaches.of(tolerance * own, &of.surface, TERMS - 1));
+            plan.coordinates.push(Allowance::new(error, terms));
+            continue;
+        }
         let motion = motion(model, situation, series, i);
         let shared = energy * model.mobility[i];
         let scale = if own < shared {
@@ -239,7 +305,11 @@ fn plan_within(
         let mut error = tolerance * scale;
         if model.shared_coordinates.binary_search(&i).is_ok() && within.is_finite() {
             // Where contacts hold a coordinate, the rounding errors of the forces on it remain.
-            error = error.max(f64::EPSILON * within * terms);
+            let lasting = match plan.slaved.get(i) {
+                Some(true) => within.min(plan.closings[i].recip()),
+                _ => within,
+            };
+            error = error.max(f64::EPSILON * lasting * terms);
         }
         let allowance = Allowance::new(error, terms);
         farthest = farthest.min(motion.reach(reaches, allowance.error));
@@ -291,6 +361,11 @@ fn plan_within(
         }
         let allowance = match owner {
             Some(i) => plan.coordinates[i],
+            None if plan.stiff[c] > 0.0 => {
+                let error = stiff_error(tolerance, state, of, plan.stiff[c], within)
+                    .max(HOVER * f64::EPSILON * size / plan.stiff[c]);
+                Allowance::new(error, size)
+            }
             None => {
                 let of_masses = contact.size_along(|j| plan.coordinates[j].error);
                 let rate = of.speeds[1].abs().max(within * of.speeds[2].abs());
@@ -319,7 +394,7 @@ fn plan_within(
             farthest = farthest.min(reaches.of(error, &of.load, TERMS - 2));
         }
         for (series, memory) in std::iter::zip(&of.memories, &state.memory) {
-            let scale = memory.abs().max(series[1].abs() * farthest.min(f64::MAX));
+            let scale = memory_scale(*memory, series, farthest.min(f64::MAX));
             farthest = farthest.min(reaches.of(tolerance * scale, series, TERMS - 1));
         }
         plan.contacts.push(allowance);
@@ -337,6 +412,94 @@ fn state_scale(state: &PowerSeries, within: f64) -> f64 {
     };
     (1..=3).map(by_rate).fold(state[0].abs(), f64::max)
 }
+
+/// The scale of a variable of the memory over a time: its size, or its change.
+pub(super) fn memory_scale(value: f64, series: &PowerSeries, time: f64) -> f64 {
+    let scale = value.abs().max(series[1].abs() * time);
+    if scale > 0.0 {
+        scale
+    } else {
+        series.largest_change(time)
+    }
+}
+
+/// The error of a sliding speed that settles at the rate D: relative to the speed, because it is
+/// known to all its digits where the contact creeps, far more slowly than its surface moves. If the
+/// speed is about 0 the scale is its change: until it has settled, or in a slow step over the step.
+fn stiff_error(
+    tolerance: f64,
+    state: &ContactState,
+    of: &ContactSeries,
+    rate: f64,
+    within: f64,
+) -> f64 {
+    let time = if of.settling > 0.0 {
+        within / BEYOND
+    } else {
+        rate.recip().min(within)
+    };
+    let change = of.speeds[1].abs();
+    let by_rate = if time.is_finite() { time * change } else { 0.0 };
+    // A law with pieces, or with a stick band, has to be met at their ends.
+    let tolerance = match state.limits {
+        Some(_) => tolerance.min(LOOSEST),
+        None => tolerance,
+    };
+    tolerance * of.speeds[0].abs().max(by_rate)
+}
+
+/// D of a contact that slips: the rate at which its sliding speed settles by friction and damping;
+/// otherwise 0.
+pub(super) fn settling(model: &Model<'_>, situation: &Situation, series: &Series, c: usize) -> f64 {
+    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+    match situation.contacts[c].phase {
+        Phase::Slip { .. } if !contact.is_elastic() => {
+            let damping = model.owner_of(c).map_or(0.0, |i| model.damping.row(i).0);
+            of.load[0] * of.slope + damping
+        }
+        _ => 0.0,
+    }
+}
+
+/// |N G Σ_j ∂μ/∂z_j ∂z_j'/∂s| of a contact that slips: its memory carries forces as a spring does,
+/// by which the sliding speed vibrates unless it settles faster, at the rate D > 0.
+fn springiness(model: &Model<'_>, state: &ContactState, series: &Series, (c, rate): Of) -> f64 {
+    /// Increments in parts of what is increased: differences have half the digits.
+    const PART: f64 = 1.0 / (1 << 26) as f64;
+    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+    let Some(slip) = state.slip(state.speed()) else {
+        return 0.0;
+    };
+    let sizes = [slip.speed, of.surface[0].abs(), of.speeds[1].abs() / rate];
+    let step = PART * sizes.into_iter().fold(f64::MIN_POSITIVE / PART, f64::max);
+    let memory = |j: usize| state.memory[j];
+    let rates = |speed: f64| {
+        let mut rates = vec![0.0; state.memory.len()];
+        let (motion, load) = (
+            Motion::Slip(Slip { speed, ..slip }),
+            of.load[0] / contact.compliance,
+        );
+        contact
+            .law
+            .rates(motion, load, &memory, &mut |j, rate| rates[j] = rate);
+        rates
+    };
+    let force = |memory: &dyn Fn(usize) -> f64| of.load[0] * contact.law.coefficient(slip, memory);
+    let by_memory = |j: usize| {
+        let step = PART * memory(j).abs().max(PART);
+        let there = |l: usize| memory(l) + if l == j { step } else { 0.0 };
+        (force(&there) - force(&memory)) / step
+    };
+    let [now, faster] = [0.0, step].map(|step| rates(slip.speed + step));
+    let changes = std::iter::zip(now, faster).map(|(now, faster)| (faster - now) / step);
+    let forces = changes
+        .enumerate()
+        .map(|(j, by_speed)| by_speed * by_memory(j));
+    forces.sum::<f64>().abs()
+}
+
+/// A contact, and the rate at which it settles.
+type Of = (usize, f64);
 
 /// The length of a step in which only the memory of contacts changes: until it has changed by its
 /// own size, and longer if the structure's own times are longer. Notes the errors allowed in the
@@ -532,6 +695,8 @@ struct Reach {
     /// True if there are force elements, or functions of users as drives. A series whose last
     /// terms are 0 is then no polynomial: that of x'' = −x⁶ from x = 0 has every seventh term only.
     has_gaps: bool,
+    /// Number of the last orders that no series has.
+    dropped: usize,
 }
 
 impl Reach {
@@ -539,6 +704,7 @@ impl Reach {
     /// allowed because nothing moves.
     #[inline(always)]
     fn of(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
+        let n = n.saturating_sub(self.dropped).max(1);
         let by_last = if c[n] == 0.0 && c[n - 1] == 0.0 {
             f64::INFINITY
         } else {
@@ -563,7 +729,7 @@ impl Reach {
     fn over_gaps(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
         /// Number of the last terms of which one at least is not 0 in a series with gaps.
         const LAST: usize = 8;
-        let radii = (n + 1 - LAST..=n).filter(|&k| c[k] != 0.0);
+        let radii = (n.saturating_sub(LAST - 1).max(1)..=n).filter(|&k| c[k] != 0.0);
         let radii = radii.map(|k| root_of_ratio(error / self.tolerance, c[k].abs(), k));
         let least = radii.fold(f64::INFINITY, f64::min);
         root_of_ratio(self.tolerance, 1.0, n) * least

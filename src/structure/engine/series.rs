@@ -6,7 +6,7 @@ use super::element_series::ElementSeries;
 use super::groups::Groups;
 use super::model::Model;
 use crate::friction::slip::Expander;
-use crate::series::PowerSeries;
+use crate::series::{PowerSeries, TERMS};
 
 /// The power series of a step.
 #[derive(Debug, Clone)]
@@ -83,6 +83,42 @@ impl Series {
     /// Returns true if an element acts: a force element, or a stop that is closed.
     pub(super) fn is_pushed(&self) -> bool {
         self.elements.iter().any(|of| of.acts)
+    }
+
+    /// Drops all orders from the first one on at which a coefficient overflows, or bounds of a
+    /// series do; returns their number.
+    #[cold]
+    pub(super) fn truncate(&mut self) -> usize {
+        /// Size of coefficients above which bounds of a series overflow.
+        const LARGEST: f64 = 1e240;
+        let contacts = self.contacts.iter_mut().flat_map(|of| {
+            let own = [&mut of.speeds, &mut of.friction, &mut of.carried];
+            own.into_iter()
+                .chain(&mut of.bounds)
+                .chain(&mut of.memories)
+        });
+        let elements = self.elements.iter_mut().flat_map(|of| {
+            let motion = of.positions.iter_mut().chain(&mut of.velocities);
+            motion.chain(&mut of.forces)
+        });
+        let numbers = contacts.chain(elements).chain(&mut self.states);
+        let mut series: Vec<&mut PowerSeries> = numbers.collect();
+        let is_ordinary = |coefficient: f64| coefficient.abs() < LARGEST;
+        let motions = &mut self.coordinates;
+        let kept = (0..TERMS).position(|k| {
+            let mut velocities = motions.iter().map(|of| of.motion.velocity(k));
+            !(velocities.all(is_ordinary) && series.iter().all(|c| is_ordinary(c[k])))
+        });
+        let kept = kept.unwrap_or(TERMS);
+        for k in kept..TERMS {
+            for of in &mut *motions {
+                of.motion.set_velocity(k, 0.0);
+            }
+            for c in &mut series {
+                c[k] = 0.0;
+            }
+        }
+        TERMS - kept
     }
 
     /// The velocity of coordinate i over the step.

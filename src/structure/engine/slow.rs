@@ -1,4 +1,5 @@
-//! The slow manifold of stiff bristles, or of any memory of one variable.
+//! The slow manifold of stiff bristles, or of any memory of one variable, and whether a motion has
+//! reached it; that of contacts that are stiff in the sliding speed is computed in `stiff.rs`.
 //!
 //! In sustained slip the memory of a contact relaxes at a rate D = −∂z'/∂z far above the rates of
 //! the masses. The length of an explicit step is then about 10/D, even if the motion is slow,
@@ -26,12 +27,14 @@
 //! Near stick z and r vibrate together at √(Nσ0/m) until the vibration has decayed. Both are
 //! followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
 
+use super::LONGEST_STEP;
 use super::coordinate_series::ALL;
-use super::expand::expand;
+use super::expand::{expand, expand_slow};
 use super::model::Model;
 use super::plan::{Control, plan_reach};
 use super::series::Series;
 use super::state::{Phase, Situation};
+use super::stiff::Stiff;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::SETTLING;
@@ -50,15 +53,21 @@ const INNER: f64 = 0.8;
 /// Least ratio of the reach of the slow series to the explicit one that is worth its passes.
 const WORTH: f64 = 10.0;
 
+/// The same for sliding speeds: explicit steps are 10/D long there, whatever the tolerance.
+const WORTH_OF_SPEEDS: f64 = 3.0;
+
 /// Least ratio for one group of memories, after which the next group is tried.
 const LONGER: f64 = 1.5;
 
-/// Most steps before the slow manifold is tried again.
+/// Length of an explicit step in units of 1/D, about, from a series of all orders.
+const EXPLICIT: f64 = 10.0;
+
+/// Most steps before the slow manifold of memories is tried again.
 const LONGEST_PAUSE: u32 = 256;
 
-/// The series of the slow manifold in place of the explicit ones, if a memory is stiff, the motion
-/// has reached that manifold, and the series reach further than `explicit`. Returns the reach of
-/// the series in use.
+/// The series of the slow manifold in place of the explicit ones, if a memory or a sliding speed is
+/// stiff, the motion has reached that manifold, and the series reach further than `explicit`.
+/// Returns the reach of the series in use.
 pub(super) fn relax(
     model: &Model<'_>,
     situation: &Situation,
@@ -66,16 +75,16 @@ pub(super) fn relax(
     control: &mut Control,
     explicit: f64,
 ) -> f64 {
-    if !series
-        .contacts
-        .iter()
-        .zip(&model.contacts)
-        .any(|(contact, data)| contact.memories.len() == 1 && !data.is_elastic())
-    {
-        return explicit;
-    }
-    if control.steps_to_trial > 0 {
+    let mut contacts = std::iter::zip(&series.contacts, &model.contacts);
+    let has_memories =
+        contacts.any(|(contact, data)| contact.memories.len() == 1 && !data.is_elastic());
+    let waits = has_memories && control.steps_to_trial > 0;
+    if waits {
         control.steps_to_trial -= 1;
+    }
+    let stiffest = control.plan.stiff.iter().copied().fold(0.0, f64::max);
+    if stiffest == 0.0 && (waits || !has_memories) {
+        control.errors_left.clear();
         return explicit;
     }
     let mut slow = Slow {
@@ -83,21 +92,47 @@ pub(super) fn relax(
         situation,
         series,
         control,
+        with_memories: !waits,
     };
-    let (best, is_tried) = slow.trial(explicit);
-    if best >= WORTH * explicit {
-        control.pause = 0;
-        return best;
-    }
-    if is_tried {
-        control.pause = (2 * control.pause).clamp(1, LONGEST_PAUSE);
+    let dropped = std::mem::take(&mut slow.control.plan.dropped);
+    let from = if dropped > 0 {
+        explicit.max(EXPLICIT / stiffest)
+    } else {
+        explicit
+    };
+    let trial = slow.trial(explicit, from);
+    let settles = series.contacts.iter().any(|of| of.settling > 0.0);
+    let relaxes = series.contacts.iter().any(|of| of.relaxation > 0.0);
+    let worth = if settles { WORTH_OF_SPEEDS } else { WORTH };
+    let is_taken = trial.best >= worth * explicit && (settles || relaxes);
+    if trial.of_memories {
+        control.pause = match is_taken && relaxes {
+            true => 0,
+            false => (2 * control.pause).clamp(1, LONGEST_PAUSE),
+        };
         control.steps_to_trial = control.pause;
+    }
+    control.errors_left.clear();
+    if is_taken {
+        let errors = std::iter::zip(&series.contacts, &control.plan.contacts);
+        let left = errors.map(|(of, allowance)| match of.settling {
+            0.0 => 0.0,
+            _ => allowance.error,
+        });
+        control.errors_left.extend(left);
+        return trial.best;
+    }
+    if dropped > 0 || trial.of_memories || trial.of_speeds {
         for contact in &mut series.contacts {
-            contact.relaxation = 0.0;
+            (contact.relaxation, contact.settling) = (0.0, 0.0);
         }
         // This is the expansion as it was before, so it has no fault.
         let _ = expand(model, situation, series, ALL);
-        return plan_reach(
+        control.plan.dropped = dropped;
+        if dropped > 0 {
+            series.truncate();
+        }
+        plan_reach(
             model,
             situation,
             series,
@@ -105,7 +140,7 @@ pub(super) fn relax(
             &mut control.plan,
         );
     }
-    best
+    explicit
 }
 
 /// A trial of the slow manifold.
@@ -114,50 +149,76 @@ struct Slow<'a, 's> {
     situation: &'a Situation,
     series: &'a mut Series,
     control: &'a mut Control,
+    /// Whether memories may be slow.
+    with_memories: bool,
+}
+
+/// What came of a trial.
+#[derive(Default)]
+struct Trial {
+    /// The time up to which the series found can be used.
+    best: f64,
+    /// Whether memories, or sliding speeds, were tried.
+    of_memories: bool,
+    of_speeds: bool,
 }
 
 impl Slow<'_, '_> {
-    /// The time up to which the series found can be used; true if any were tried.
-    fn trial(&mut self, explicit: f64) -> (f64, bool) {
-        let mut best = explicit;
-        let mut is_tried = false;
-        // After the stiffest memories, the next stiffest may limit the step.
-        while self.begin(best) {
-            is_tried = true;
-            if let Some(slow) = self.slow_series(best) {
-                best = slow;
+    /// Tries what relaxes well within the time `from`.
+    fn trial(&mut self, explicit: f64, mut from: f64) -> Trial {
+        let mut trial = Trial {
+            best: explicit,
+            ..Trial::default()
+        };
+        // After the stiffest contacts, the next stiffest may limit the step.
+        while self.begin(from) {
+            trial.of_memories |= !self.control.begun.is_empty();
+            trial.of_speeds |= !self.control.begun_speeds.is_empty();
+            if let Some(slow) = self.slow_series(trial.best) {
+                (trial.best, from) = (slow, slow);
                 continue;
             }
             for &c in &self.control.begun {
                 self.series.contacts[c].relaxation = 0.0;
             }
+            for &c in &self.control.begun_speeds {
+                self.series.contacts[c].settling = 0.0;
+            }
             // The same as before.
-            if self
-                .series
-                .contacts
-                .iter()
-                .any(|contact| contact.relaxation > 0.0)
-            {
-                best = self.slow_series(0.0).unwrap_or(explicit);
+            let mut contacts = self.series.contacts.iter();
+            if contacts.any(|of| of.relaxation > 0.0 || of.settling > 0.0) {
+                trial.best = self.slow_series(0.0).unwrap_or(explicit);
             }
             break;
         }
-        (best, is_tried)
+        trial
     }
 
-    /// Marks the memories that relax well within `reach` as slow; returns true if there are any.
+    /// Marks the speeds and the memories that relax well within `reach` as slow; returns true if
+    /// there are any.
     fn begin(&mut self, reach: f64) -> bool {
         self.control.begun.clear();
+        self.control.begun_speeds.clear();
         for (c, contact) in self.series.contacts.iter_mut().enumerate() {
             // Several variables of one contact may be stiff together.
             let state = &self.situation.contacts[c];
+            let Phase::Slip { speed, rate, .. } = state.phase else {
+                continue;
+            };
             if self.model.contacts[c].is_elastic() {
                 continue;
             }
-            let (Phase::Slip { speed, .. }, [memory]) = (state.phase, &state.memory[..]) else {
-                continue;
-            };
-            if let (Some(slip), 0.0) = (state.slip(speed), contact.relaxation) {
+            let settling = self.control.plan.stiff[c];
+            if settling * reach > SETTLING && contact.settling == 0.0 && rate.is_none() {
+                contact.settling = settling;
+                self.control.begun_speeds.push(c);
+            }
+            if let (true, [memory], Some(slip), 0.0) = (
+                self.with_memories,
+                &state.memory[..],
+                state.slip(speed),
+                contact.relaxation,
+            ) {
                 let data = &self.model.contacts[c];
                 let load = contact.load[0] / data.compliance;
                 let rate = relaxation(data.law, (slip, load), *memory);
@@ -167,7 +228,7 @@ impl Slow<'_, '_> {
                 }
             }
         }
-        !self.control.begun.is_empty()
+        !(self.control.begun.is_empty() && self.control.begun_speeds.is_empty())
     }
 
     /// The series of the slow manifold, and how far they reach: further than `shorter` by
@@ -177,6 +238,8 @@ impl Slow<'_, '_> {
         for (contact, state) in contacts.filter(|(contact, _)| contact.relaxation > 0.0) {
             contact.hold_memory(&state.memory);
         }
+        self.control.stiff = Stiff::of(self.model, self.situation, self.series);
+        self.control.plan.slaved = self.control.stiff.slaved(self.model);
         self.expand()?;
         let mut before = std::mem::take(&mut self.control.pass_before);
         let found = self.passes(shorter, &mut before);
@@ -185,6 +248,10 @@ impl Slow<'_, '_> {
     }
 
     fn expand(&mut self) -> Option<()> {
+        let stiff = &mut self.control.stiff;
+        if stiff.is_active() {
+            return expand_slow(self.model, self.situation, self.series, stiff).then_some(());
+        }
         expand(self.model, self.situation, self.series, ALL).ok()
     }
 
@@ -199,11 +266,21 @@ impl Slow<'_, '_> {
             } = &mut *self.control;
             let tolerance = *tolerance;
             let reach = plan_reach(self.model, self.situation, self.series, tolerance, plan);
-            let slow = std::iter::zip(self.slow_memories(), &before[self.model.len()..]);
-            let may_have_come = slow.into_iter().all(|((series, memory), before)| {
+            let others = self.model.len() + self.slow_speeds().count();
+            let slow = std::iter::zip(self.slow_memories(), &before[others..]);
+            let mut may_have_come = slow.into_iter().all(|((series, memory), before)| {
                 let moved = 4.0 * (series[0] - before[0]).abs();
                 (series[0] - memory).abs() <= moved + CLOSE * tolerance * memory.abs()
             });
+            let slow = std::iter::zip(self.slow_speeds(), &before[self.model.len()..]);
+            for (c, before) in slow {
+                let (series, state) = (&self.series.contacts[c], &self.situation.contacts[c]);
+                let now = series.speeds[0];
+                let left = self.control.errors_left.get(c).copied().unwrap_or(0.0);
+                let error = CLOSE * self.control.plan.contacts[c].error.max(left);
+                let moved = 4.0 * (now - before[0]).abs();
+                may_have_come &= (now - state.speed()).abs() <= moved + error;
+            }
             if !may_have_come || reach < LONGER * shorter {
                 return None;
             }
@@ -213,19 +290,36 @@ impl Slow<'_, '_> {
                 let mut change = 0.0;
                 for k in 0..TERMS - 1 {
                     change += (now[k] - before[k]).abs() * power;
-                    power *= INNER * reach;
+                    power *= INNER * reach.min(LONGEST_STEP);
                 }
                 change <= CLOSE * error
             });
             if is_settled {
-                return Some(reach);
+                return self.is_on_pieces().then_some(reach);
             }
         }
         None
     }
 
+    /// Returns true if all sliding speeds are on the pieces of their laws that hold.
+    fn is_on_pieces(&self) -> bool {
+        let mut contacts = 0..self.model.contacts.len();
+        contacts.all(|c| {
+            let Phase::Slip { speed, piece, .. } = self.situation.contacts[c].phase else {
+                return true;
+            };
+            let (now, breakpoints) = (
+                self.series.contacts[c].speeds[0],
+                &self.model.contacts[c].breakpoints,
+            );
+            let low = piece.checked_sub(1).map_or(0.0, |below| breakpoints[below]);
+            let high = breakpoints.get(piece).copied().unwrap_or(f64::INFINITY);
+            now == speed || low < now && now < high
+        })
+    }
+
     /// The unknowns, each with the error allowed: velocities of coordinates, or their sliding
-    /// speeds, then the memories that relax.
+    /// speeds, then the sliding speeds that settle and the memories that relax.
     fn unknowns(&self) -> impl Iterator<Item = (PowerSeries, f64)> {
         let velocities = (0..self.model.len()).map(|i| {
             let owner = self.model.owner[i];
@@ -240,7 +334,19 @@ impl Slow<'_, '_> {
             (series, allowance.map_or(0.0, |allowance| allowance.error))
         });
         let (memories, tolerance) = (self.slow_memories(), self.control.tolerance);
-        velocities.chain(memories.map(move |(z, _)| (*z, tolerance * z[0].abs())))
+        let speeds = self.slow_speeds().map(|c| {
+            let allowance = self.control.plan.contacts.get(c);
+            let error = allowance.map_or(0.0, |allowance| allowance.error);
+            (self.series.contacts[c].speeds, error)
+        });
+        let memories = memories.map(move |(z, _)| (*z, tolerance * z[0].abs()));
+        velocities.chain(speeds).chain(memories)
+    }
+
+    /// The contacts whose sliding speeds settle.
+    fn slow_speeds(&self) -> impl Iterator<Item = usize> {
+        let contacts = self.series.contacts.iter().enumerate();
+        contacts.filter_map(|(c, of)| (of.settling > 0.0).then_some(c))
     }
 
     /// The memories that relax, and their values at the start of the step.

@@ -59,6 +59,7 @@ pub(super) fn land(
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
         series.contacts[c].relaxation = 0.0;
+        series.contacts[c].settling = 0.0;
         // In all other cases nothing has changed for this contact since its mode was decided.
         if h > 0.0 || jumps || firing.is_some() {
             let fired = land_contact(model, situation, series, c, firing, (settled, jumps));

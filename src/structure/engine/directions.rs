@@ -1,0 +1,97 @@
+//! The directions in which contacts settle that are stiff in the sliding speed.
+
+use nalgebra::{DMatrix, Dyn, LU};
+
+use super::factor::Holding;
+use super::model::Model;
+
+/// Contacts that settle, and that determine the relative velocities of all others that settle.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Directions {
+    /// Those with independent directions, of each other and of contacts that stick.
+    pub(crate) contacts: Vec<usize>,
+    /// Those of them that share coordinates, after the contacts that stick.
+    pub(super) holding: Holding,
+    /// For each of them the velocities of all coordinates that move it alone, with the least
+    /// kinetic energy: its relative velocity is 1.
+    columns: Vec<Vec<f64>>,
+}
+
+impl Directions {
+    /// Of the contacts that settle, beside those that stick.
+    pub(crate) fn new(model: &Model<'_>, held: &Holding, settles: &dyn Fn(usize) -> bool) -> Self {
+        let own = 0..model.contacts.len();
+        let own = own.filter(|&c| settles(c) && model.owner_of(c).is_some());
+        let mut contacts: Vec<usize> = own.collect();
+        let shared = model.shared.iter().copied().filter(|&c| settles(c));
+        let shared: Vec<usize> = shared.collect();
+        let mut holding = Holding::default();
+        if !shared.is_empty() {
+            let sticking = held.contacts.iter().copied();
+            holding = model.independent(sticking.chain(shared.iter().copied()).collect(), &|_| 0.0);
+            let chosen = shared.into_iter();
+            contacts.extend(chosen.filter(|c| holding.contacts.contains(c)));
+        }
+        let column = |&c: &usize| {
+            let mut velocities = vec![0.0; model.len()];
+            match model.owner_of(c) {
+                Some(i) => velocities[i] = 1.0,
+                None => {
+                    let apart = |d: usize| if d == c { -1.0 } else { 0.0 };
+                    for (j, correction) in model.corrections(&holding, &apart) {
+                        velocities[j] -= correction;
+                    }
+                }
+            }
+            velocities
+        };
+        Self {
+            columns: contacts.iter().map(column).collect(),
+            contacts,
+            holding,
+        }
+    }
+
+    /// The velocities that move one of the contacts alone.
+    pub(crate) fn column(&self, place: usize) -> &[f64] {
+        &self.columns[place]
+    }
+
+    /// The matrix D: minus the derivatives of the relative accelerations by the relative
+    /// velocities. Every contact brakes its relative velocity at the rate `braking`, 0 unless it
+    /// slips, beside the dampers.
+    pub(crate) fn rates(
+        &self,
+        model: &Model<'_>,
+        held: &Holding,
+        braking: &dyn Fn(usize) -> f64,
+    ) -> Option<LU<f64, Dyn, Dyn>> {
+        let size = self.contacts.len();
+        let mut matrix = DMatrix::zeros(size, size);
+        for (column, velocities) in self.columns.iter().enumerate() {
+            let damped = (0..model.len()).map(|i| {
+                let (own, beside) = model.damping.row(i);
+                let others = beside.iter().map(|&(j, damping)| damping * velocities[j]);
+                -(own * velocities[i] + others.sum::<f64>())
+            });
+            let mut accelerations: Vec<f64> = damped.collect();
+            for (c, contact) in model.contacts.iter().enumerate() {
+                let friction = braking(c) * contact.along(|j| velocities[j]);
+                if friction == 0.0 {
+                    continue;
+                }
+                for &(j, x) in contact.responses() {
+                    accelerations[j] -= x * friction;
+                }
+            }
+            let pull = |d: usize| model.contacts[d].along(|j| accelerations[j]);
+            for (j, reaction) in model.corrections(held, &pull) {
+                accelerations[j] -= reaction;
+            }
+            for (row, &d) in self.contacts.iter().enumerate() {
+                matrix[(row, column)] = -model.contacts[d].along(|j| accelerations[j]);
+            }
+        }
+        matrix.iter().all(|x| x.is_finite()).then(|| matrix.lu())
+    }
+}

@@ -1,0 +1,169 @@
+//! Cycles under rate-and-state friction: those computed independently to 25 digits, seismic cycles
+//! over many decades of the sliding speed, and the branch that begins at the Hopf point.
+
+use stick_slip::orbit::{BranchEnd, Orbit, Period, follow, shoot};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Error, Integrator, RateState, Structure};
+
+use crate::common::{Worst, list, number, text};
+use crate::reading::{cases, numbers, remembering};
+use crate::references::period;
+
+#[test]
+fn cycles_have_the_reference_periods_extremes_and_multipliers() {
+    let mut multipliers = 0;
+    for case in cases(include_str!("../data/rate_state_cycles.json")) {
+        let id = text(&case["id"]);
+        let system = remembering(&case["system"]);
+        let start = &case["start"];
+        let mut phi = numbers(&start["phi"]).into_iter();
+        let contacts = list(&case["system"]["contacts"]).iter();
+        let memory = contacts.map(|contact| match text(&contact["law"]) {
+            "rate_state" => phi.next().unwrap(),
+            _ => 0.0,
+        });
+        let memory: Vec<f64> = memory.collect();
+        let guess = State::new(&numbers(&start["q"]), &numbers(&start["v"])).with_memory(&memory);
+        let orbit = shoot(&system, &guess, period(&case)).unwrap();
+        let mut worst = Worst::default();
+        worst.meet("period", orbit.period(), number(&case["period"]));
+        for i in 0..system.len() {
+            let ((a, b), (c, d)) = (orbit.extremes(i), orbit.velocity_extremes(i));
+            for (name, found) in [("q_min", a), ("q_max", b), ("v_min", c), ("v_max", d)] {
+                worst.meet(name, found, numbers(&case[name])[i]);
+            }
+        }
+        worst.assert(id, 1e-12);
+        let mut worst = Worst::default();
+        let expected = list(&case["multipliers"]).iter();
+        for (found, expected) in std::iter::zip(orbit.multipliers(), expected) {
+            worst.meet("re", found.re, number(&expected["re"]));
+            worst.meet("im", found.im.abs(), number(&expected["im"]).abs());
+            multipliers += 1;
+        }
+        worst.assert(id, 1e-10);
+    }
+    assert!(multipliers >= 2 + 2 + 3 + 4);
+}
+
+/// A slider of the data over decades, at the end of a motion that has nearly become periodic.
+fn seismic(id: &str, duration: f64) -> (Structure, State) {
+    let cases = cases(include_str!("../data/rate_state_cycles_of_one.json"));
+    let case = cases.iter().find(|case| text(&case["id"]) == id).unwrap();
+    let system = remembering(&case["system"]);
+    let start = &case["start"];
+    let state = State::new(&numbers(&start["q"]), &[0.0])
+        .with_memory(&numbers(&start["phi"]))
+        .with_sliding(0, numbers(&start["r"])[0]);
+    let motion = system.simulate(state, duration).unwrap();
+    (system, motion.last())
+}
+
+/// The derivative of the map over a period, of displacement and memory of a start on the manifold,
+/// by central differences of simulations.
+fn differences(system: &Structure, orbit: &Orbit<State>) -> [[f64; 2]; 2] {
+    let integrator = Integrator::new();
+    let start = orbit.state();
+    let end = |change: [f64; 2]| {
+        let q = start.displacements[0] * (1.0 + change[0]);
+        let phi = start.memory[0] + change[1];
+        let state = State::new(&[q], &start.velocities).with_memory(&[phi]);
+        let end = integrator
+            .simulate(system, state, orbit.period())
+            .unwrap()
+            .last();
+        [end.displacements[0] / start.displacements[0], end.memory[0]]
+    };
+    let step = 1e-5;
+    [[step, 0.0], [0.0, step]].map(|change| {
+        let [more, less] = [end(change), end(change.map(|x| -x))];
+        [0, 1].map(|i| (more[i] - less[i]) / (2.0 * step))
+    })
+}
+
+/// Newton's method finds the cycle from a state between two quakes, where the speed is 1e-15 m/s; a
+/// perturbation of the speed has vanished at once. In a quake perturbations along the motion grow
+/// by the ratio of the speeds, 4e8, and with them the errors of the others.
+#[test]
+fn seismic_cycles_close_and_have_the_multipliers_of_differences() {
+    // The period, found with the period of the data's last cycle as the guess.
+    for (id, duration, guess, decades) in [
+        ("rs_01", 1.5e9, 5.8e8, 14.0),
+        ("rs_02", 1.3e9, 5.29e8, 10.0),
+        ("rs_03", 900.0, 740.0, 14.0),
+        ("rs_04", 400.0, 40.0, 6.0),
+    ] {
+        let (system, start) = seismic(id, duration);
+        let orbit = shoot(&system, &start, Period::Free(guess)).unwrap();
+        let motion = system
+            .simulate(orbit.state().clone(), 2.0 * orbit.period())
+            .unwrap();
+        let [after, later] = [1.0, 2.0].map(|k| motion.state_at(k * orbit.period()).unwrap());
+        for end in [after, later] {
+            let apart = (end.displacements[0] / orbit.state().displacements[0] - 1.0).abs();
+            assert!(apart < 1e-13, "{id}: {apart:e}");
+            let apart = (end.memory[0] - orbit.state().memory[0]).abs();
+            assert!(apart < 1e-12, "{id}: {apart:e}");
+        }
+        // ∮ V dt = V_p T is the return of q. The speeds span decades.
+        let velocity = system.contacts()[0].belt_velocity().value(0.0);
+        let speeds = (0..4000).map(|k| {
+            let time = orbit.period() * f64::from(k) / 4000.0;
+            motion.sliding_velocity(0, time).abs()
+        });
+        let least = speeds.fold(f64::INFINITY, f64::min);
+        let largest = velocity - orbit.velocity_extremes(0).0;
+        assert!(
+            (largest / least).log10() > decades,
+            "{id}: {least:e} {largest:e}"
+        );
+        let [[a, b], [c, d]] = differences(&system, &orbit);
+        let [first, stiff] = orbit.multipliers() else {
+            panic!("{id}: {:?}", orbit.multipliers());
+        };
+        // One multiplier is 1: det M = μ, tr M = 1 + μ.
+        assert!(
+            (a + d - 1.0 - first.re).abs() < 1e-4,
+            "{id}: {first} {a} {d}"
+        );
+        assert!((a * d - b * c - first.re).abs() < 1e-4, "{id}: {first}");
+        assert!(first.im == 0.0 && stiff.norm() < 1e-15, "{id}: {stiff}");
+    }
+}
+
+/// In units of N, D_c and V_p; with the damping of radiation the Hopf point is supercritical: the
+/// cycle shrinks to it where the stiffness reaches the critical one.
+#[test]
+fn a_cycle_shrinks_to_steady_sliding_at_the_critical_stiffness() {
+    let law = RateState::aging(0.6, 0.01, 0.015, 1.0, 1e-3).unwrap();
+    let (mass, damping) = (1e-4, 1e-3);
+    let family = |stiffness: f64| -> Result<Structure, Error> {
+        Structure::new(&[mass])?
+            .with_ground_spring(0, stiffness)?
+            .with_ground_damper(0, damping)?
+            .with_force(0, damping)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(1.0))
+    };
+    let critical = law.critical_stiffness(1.0, 1.0, mass, damping).unwrap();
+    let frequency = law.hopf_frequency(1.0, 1.0, damping).unwrap();
+    let stiffness = 0.97 * critical;
+    let system = family(stiffness).unwrap();
+    let phi = law.memory_at(1.0);
+    let start = State::new(&[1.05 * law.steady(1.0) / stiffness], &[0.0]).with_memory(&[phi]);
+    let late = system.simulate(start, 4000.0).unwrap().last();
+    let orbit = shoot(
+        &system,
+        &late,
+        Period::Free(std::f64::consts::TAU / frequency),
+    )
+    .unwrap();
+    assert!(orbit.is_stable());
+    let branch = follow(family, stiffness, &orbit, 0.9 * critical..1.02 * critical).unwrap();
+    let [BranchEnd::Range, BranchEnd::Hopf { parameter }] = branch.ends else {
+        panic!("{:?}", branch.ends);
+    };
+    assert!(
+        (parameter / critical - 1.0).abs() < 1e-12,
+        "{parameter} {critical}"
+    );
+}
