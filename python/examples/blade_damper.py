@@ -31,7 +31,7 @@ for load in LOADS:
     start = ss.settle(blades(1.07, load), ([0.0, 0.0], [0.0, 0.0]), 400.0, periods=1)
     curve = ss.follow(lambda frequency: blades(frequency, load), 1.07, start, 0.96, 1.18)
     peak = max(curve.points, key=lambda point: largest(point.orbit))
-    print(f"load {load:4.2f}: peak {largest(peak.orbit):.3f} at {peak.parameter:.4f}")
+    print(f"load {load:4.2f}: peak {largest(peak.orbit):.1f} at {peak.parameter:.3f}")
     curve.plot(axes, measure=largest, bifurcations=False)
     axes.lines[-1].set_label(None)
     axes.lines[-2].set_label(f"load {load:g}")

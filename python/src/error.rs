@@ -67,6 +67,8 @@ fn is_argument(error: &Error) -> bool {
         | Error::BadBreakpoints { .. }
         | Error::BadElement { .. }
         | Error::NoSuchCoordinate { .. }
+        | Error::NoSuchState { .. }
+        | Error::RigidStop { .. }
         | Error::WrongSize { .. }
         | Error::NotSymmetric { .. }
         | Error::NotPositiveDefinite { .. }
@@ -177,6 +179,25 @@ fn describe(error: &Error, to: &Bound<'_, PyDict>) -> PyResult<()> {
             fields!(to: element, position);
             reach(Some(reached), to)?;
         }
+        Error::NonFiniteRate {
+            state,
+            position,
+            value,
+            reached,
+        } => {
+            to.set_item("first_order", state)?;
+            fields!(to: position, value);
+            reach(Some(reached), to)?;
+        }
+        Error::NotAnalyticRate {
+            state,
+            position,
+            reached,
+        } => {
+            to.set_item("first_order", state)?;
+            fields!(to: position);
+            reach(Some(reached), to)?;
+        }
         Error::BadElement {
             element,
             value,
@@ -192,6 +213,18 @@ fn describe(error: &Error, to: &Bound<'_, PyDict>) -> PyResult<()> {
         } => {
             to.set_item("element", element.to_string())?;
             fields!(to: coordinate, count);
+        }
+        Error::NoSuchState {
+            element,
+            state,
+            count,
+        } => {
+            to.set_item("element", element.to_string())?;
+            to.set_item("first_order", state)?;
+            fields!(to: count);
+        }
+        Error::RigidStop { stop } => {
+            fields!(to: stop);
         }
         Error::WrongSize {
             name,
@@ -237,6 +270,13 @@ fn describe(error: &Error, to: &Bound<'_, PyDict>) -> PyResult<()> {
         } => {
             fields!(to: contacts, subsets, most);
             reach(Some(reached), to)?;
+        }
+        Error::Jammed { contacts, reached } => {
+            fields!(to: contacts);
+            reach(Some(reached), to)?;
+        }
+        Error::WrongWay { contact, velocity } => {
+            fields!(to: contact, velocity);
         }
         Error::LawNotConstant { coefficients } => {
             fields!(to: coefficients);
@@ -313,6 +353,7 @@ fn not_sliding(reason: &NotSliding, to: &Bound<'_, PyDict>) -> PyResult<()> {
         NotSliding::NoLoad { contact, load } => fields!(to: contact, load),
         NotSliding::Deforms { coordinate } => fields!(to: coordinate),
         NotSliding::Grows { state, rate } => fields!(to: state, rate),
+        NotSliding::WrongWay { contact, velocity } => fields!(to: contact, velocity),
         NotSliding::OverLimit {
             contact,
             force,
