@@ -6,14 +6,15 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use stick_slip::analysis::{
     self, averaging, coulomb, design, drill_string, duffing, dwell, exponential, fast_vibration,
-    forced, jenkins, lugre, mode_coupling, polynomial,
+    forced, jenkins, lugre, mode_coupling, polynomial, rate_state,
 };
 use stick_slip::{AnyLaw, Coulomb, Dwell, Exponential, MassOnBelt, Polynomial};
 
 use crate::belt::PyBelt;
-use crate::convert::{BeltStart, ComplexNumbers, Numbers};
+use crate::contact_law::{AnyContactLaw, AnyRateState, PyContactLaw, PyRateState, with_rate_state};
+use crate::convert::{BeltStart, ComplexNumbers, Numbers, elementwise};
 use crate::error::OrRaise;
-use crate::law::{Memory, PyContactLaw, PyLaw};
+use crate::law::PyLaw;
 use crate::motion::criticality_name;
 use crate::record::record;
 use crate::traced::Traced;
@@ -790,9 +791,9 @@ record! {
 /// The bristles of a LuGre law in steady sliding; None if they have no steady deflection.
 #[pyfunction]
 pub fn steady_bristles(law: &PyContactLaw, velocity: f64) -> PyResult<Option<SteadyBristles>> {
-    let found = match law.memory() {
-        Memory::LuGreNamed(law) => lugre::steady_bristles(law, velocity),
-        Memory::LuGreTraced(law) => lugre::steady_bristles(law, velocity),
+    let found = match law.law() {
+        AnyContactLaw::LuGreNamed(law) => lugre::steady_bristles(law, velocity),
+        AnyContactLaw::LuGreTraced(law) => lugre::steady_bristles(law, velocity),
         _ => {
             return Err(PyTypeError::new_err(
                 "this formula is that of the law LuGre",
@@ -827,9 +828,13 @@ pub fn contact_vibration(
     stiffness: f64,
     damping: f64,
 ) -> PyResult<Option<ContactVibration>> {
-    let found = match law.memory() {
-        Memory::LuGreNamed(law) => lugre::contact_vibration(law, mass, load, stiffness, damping),
-        Memory::LuGreTraced(law) => lugre::contact_vibration(law, mass, load, stiffness, damping),
+    let found = match law.law() {
+        AnyContactLaw::LuGreNamed(law) => {
+            lugre::contact_vibration(law, mass, load, stiffness, damping)
+        }
+        AnyContactLaw::LuGreTraced(law) => {
+            lugre::contact_vibration(law, mass, load, stiffness, damping)
+        }
         _ => {
             return Err(PyTypeError::new_err(
                 "this formula is that of the law LuGre",
@@ -845,9 +850,9 @@ pub fn contact_vibration(
 /// The viscous coefficient from which on a LuGre law dissipates at all speeds up to one.
 #[pyfunction]
 pub fn passive_viscosity(law: &PyContactLaw, max_speed: f64) -> PyResult<f64> {
-    match law.memory() {
-        Memory::LuGreNamed(law) => lugre::passive_viscosity(law, max_speed).or_raise(),
-        Memory::LuGreTraced(law) => lugre::passive_viscosity(law, max_speed).or_raise(),
+    match law.law() {
+        AnyContactLaw::LuGreNamed(law) => lugre::passive_viscosity(law, max_speed).or_raise(),
+        AnyContactLaw::LuGreTraced(law) => lugre::passive_viscosity(law, max_speed).or_raise(),
         _ => Err(PyTypeError::new_err(
             "this formula is that of the law LuGre",
         )),
@@ -1195,4 +1200,121 @@ impl StickSlip {
             self.0.period()
         )
     }
+}
+
+/// The friction coefficient of a `RateState` law after a velocity step: after steady sliding at
+/// one speed the contact slides at another, and has covered a distance at it. Dimensionless.
+///
+/// Args:
+///     law: a RateState.
+///     before: the speed of steady sliding, in units of velocity, > 0.
+///     after: the speed then, in units of velocity, > 0.
+///     slip: the distance at that speed, in units of displacement; a number or an array.
+///
+/// >>> import math
+/// >>> from stick_slip import RateState, analysis
+/// >>> law = RateState(f0=0.6, a=0.01, b=0.015, d_c=1e-5, v0=1e-6, evolution="slip")
+/// >>> jump = analysis.velocity_step(law, before=1e-6, after=1e-5, slip=0.0)
+/// >>> abs(jump - (0.6 + 0.01 * math.log(10))) < 1e-15
+/// True
+#[pyfunction]
+pub fn velocity_step<'py>(
+    law: &PyRateState,
+    before: f64,
+    after: f64,
+    slip: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    with_rate_state!(&law.0, law => {
+        elementwise(slip, |slip| rate_state::velocity_step(law, before, after, slip))
+    })
+}
+
+/// The increase of the friction coefficient of a `RateState` law by a hold without sliding:
+/// b ln(1 + v0 t/d_c) with the aging law, 0 with the slip law. Dimensionless.
+///
+/// Args:
+///     law: a RateState.
+///     hold: the time at rest, >= 0; a number or an array.
+///
+/// >>> import math
+/// >>> from stick_slip import RateState, analysis
+/// >>> law = RateState(f0=0.6, a=0.01, b=0.015, d_c=1e-5, v0=1e-6)
+/// >>> abs(analysis.healing(law, 10.0) - 0.015 * math.log(2)) < 1e-15
+/// True
+#[pyfunction]
+pub fn healing<'py>(law: &PyRateState, hold: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    with_rate_state!(&law.0, law => elementwise(hold, |hold| rate_state::healing(law, hold)))
+}
+
+/// The fall of the friction force in a strong earthquake, from steady sliding at the plate speed to
+/// steady sliding at the coseismic speed; in units of force.
+///
+/// Args:
+///     law: a RateState.
+///     load: the normal load, in units of force.
+///     plate_speed: in units of velocity, > 0.
+///     coseismic_speed: in units of velocity, > 0.
+#[pyfunction]
+pub fn stress_drop(law: &PyRateState, load: f64, plate_speed: f64, coseismic_speed: f64) -> f64 {
+    with_rate_state!(&law.0, law => {
+        rate_state::stress_drop(law, load, plate_speed, coseismic_speed)
+    })
+}
+
+/// A rate-and-state law with one state variable.
+fn of_one_state(law: &PyRateState) -> PyResult<&stick_slip::RateState> {
+    match &law.0 {
+        AnyRateState::One(law) => Ok(law),
+        AnyRateState::Two(_) => Err(PyTypeError::new_err(
+            "this formula is that of a RateState with one state variable",
+        )),
+    }
+}
+
+/// The time until a self-accelerating contact without inertia reaches an unbounded speed, with the
+/// aging law; None if it does not.
+///
+/// Args:
+///     law: a RateState with one state variable.
+///     load: the normal load, in units of force.
+///     stiffness: of the spring, force per displacement.
+///     speed: of the contact now, in units of velocity.
+///     load_rate: at which the spring would be loaded without sliding, force per time.
+///
+/// >>> from stick_slip import RateState, analysis
+/// >>> law = RateState(f0=0.6, a=0.01, b=0.015, d_c=1e-5, v0=1e-6)
+/// >>> round(analysis.time_to_instability(law, 5e6, 5e9, 1e-9), 6)
+/// 20000.0
+#[pyfunction]
+#[pyo3(signature = (law, load, stiffness, speed, load_rate = 0.0))]
+pub fn time_to_instability(
+    law: &PyRateState,
+    load: f64,
+    stiffness: f64,
+    speed: f64,
+    load_rate: f64,
+) -> PyResult<Option<f64>> {
+    let law = of_one_state(law)?;
+    Ok(rate_state::time_to_instability(
+        law, load, stiffness, speed, load_rate,
+    ))
+}
+
+/// The first integral of a spring-slider without inertia at the critical stiffness: a number that
+/// stays constant along a motion; dimensionless. None where the speed grows without bound.
+///
+/// Args:
+///     law: a RateState with one state variable.
+///     plate_speed: at which the spring is pulled, in units of velocity.
+///     speed: of the contact, in units of velocity.
+///     memory: its memory variable phi.
+#[pyfunction]
+pub fn first_integral(
+    law: &PyRateState,
+    plate_speed: f64,
+    speed: f64,
+    memory: f64,
+) -> PyResult<Option<f64>> {
+    let law = of_one_state(law)?;
+    Ok(rate_state::first_integral(law, plate_speed, speed, memory))
 }

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use stick_slip::{Physical, State};
 
 use crate::any_belt::Belt;
-use crate::convert::{BeltStart, ComplexNumbers, float};
+use crate::convert::{BeltStart, ComplexNumbers, float, shown};
 use crate::error::OrRaise;
-use crate::law::PyLaw;
+use crate::law::{LawArgument, PyLaw};
 use crate::motion::{AnyMotion, PyMotion, ended_well};
 use crate::record::record;
 use crate::simulate::Settings;
@@ -93,12 +94,27 @@ pub struct PyPhysicalBelt {
 }
 
 /// Either class.
-#[derive(FromPyObject)]
 pub enum BeltArgument<'py> {
-    #[pyo3(transparent)]
     Belt(Bound<'py, PyBelt>),
-    #[pyo3(transparent)]
     Physical(Bound<'py, PyPhysicalBelt>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for BeltArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(belt) = object.cast::<PyBelt>() {
+            return Ok(Self::Belt(belt.to_owned()));
+        }
+        if let Ok(belt) = object.cast::<PyPhysicalBelt>() {
+            return Ok(Self::Physical(belt.to_owned()));
+        }
+        Err(PyTypeError::new_err(format!(
+            "expected a MassOnBelt or a PhysicalMassOnBelt, not {}; the searches of a Structure \
+             are settle, follow, classify, sweep and vibration_ranges",
+            shown(&object)
+        )))
+    }
 }
 
 impl BeltArgument<'_> {
@@ -224,7 +240,13 @@ macro_rules! belt_methods {
 belt_methods!(PyBelt {
     #[new]
     #[pyo3(signature = (law, belt_velocity, *, damping = 0.0, load = 1.0))]
-    fn new(law: Py<PyLaw>, belt_velocity: f64, damping: f64, load: f64) -> PyResult<Self> {
+    fn new(
+        law: LawArgument<'_>,
+        belt_velocity: f64,
+        damping: f64,
+        load: f64,
+    ) -> PyResult<Self> {
+        let law = law.0.unbind();
         let system = law.get().kind.belt(belt_velocity, damping, load).or_raise()?;
         Ok(Self { system, law, belt_velocity, damping, load })
     }
@@ -261,7 +283,7 @@ belt_methods!(PyBelt {
         load: Option<f64>,
     ) -> PyResult<Self> {
         Self::new(
-            self.law.clone_ref(py),
+            LawArgument(self.law.bind(py).clone()),
             belt_velocity.unwrap_or(self.belt_velocity),
             damping.unwrap_or(self.damping),
             load.unwrap_or(self.load),
@@ -283,13 +305,14 @@ belt_methods!(PyPhysicalBelt {
     #[new]
     #[pyo3(signature = (law, *, mass, stiffness, normal_force, belt_velocity, damping = 0.0))]
     fn new(
-        law: Py<PyLaw>,
+        law: LawArgument<'_>,
         mass: f64,
         stiffness: f64,
         normal_force: f64,
         belt_velocity: f64,
         damping: f64,
     ) -> PyResult<Self> {
+        let law = law.0.unbind();
         let physical = Physical { mass, stiffness, damping, normal_force, belt_velocity };
         let system = law.get().kind.physical(physical).or_raise()?;
         Ok(Self { system, law, physical })
@@ -339,7 +362,7 @@ belt_methods!(PyPhysicalBelt {
     ) -> PyResult<Self> {
         let own = self.physical;
         Self::new(
-            self.law.clone_ref(py),
+            LawArgument(self.law.bind(py).clone()),
             mass.unwrap_or(own.mass),
             stiffness.unwrap_or(own.stiffness),
             normal_force.unwrap_or(own.normal_force),

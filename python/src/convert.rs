@@ -8,7 +8,7 @@ use numpy::{
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stick_slip::{nalgebra, structure};
+use stick_slip::nalgebra;
 
 /// Numbers that become a one-dimensional array in Python.
 #[derive(Clone, Debug)]
@@ -183,6 +183,12 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Direction {
     }
 }
 
+/// A direction as Python writes it.
+pub fn direction_text(direction: &[(usize, f64)]) -> String {
+    let terms = direction.iter().map(|(i, b)| format!("{i}: {}", float(*b)));
+    format!("{{{}}}", terms.collect::<Vec<_>>().join(", "))
+}
+
 /// Pairs of numbers: the points of a table or of a profile, as pairs or as an array of two columns.
 pub struct Points(pub Vec<(f64, f64)>);
 
@@ -234,35 +240,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for BeltStart {
     }
 }
 
-/// The state of a structure: (displacements, velocities) or (displacements, velocities, memory),
-/// each a number or an array.
-#[derive(Clone)]
-pub struct Start(pub structure::State);
-
-impl<'a, 'py> FromPyObject<'a, 'py> for Start {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let bad = || {
-            PyTypeError::new_err(format!(
-                "a start is a pair (displacements, velocities), or three arrays (displacements, \
-                 velocities, memory), not {}",
-                shown(&object)
-            ))
-        };
-        let parts: Vec<Numbers> = object.extract().map_err(|_| bad())?;
-        match &parts[..] {
-            [q, v] => Ok(Self(structure::State::new(&q.0, &v.0))),
-            [q, v, memory] => Ok(Self(
-                structure::State::new(&q.0, &v.0).with_memory(&memory.0),
-            )),
-            _ => Err(bad()),
-        }
-    }
-}
-
 /// The text of an object in a message, at most a line.
-fn shown(object: &Borrowed<'_, '_, PyAny>) -> String {
+pub fn shown(object: &Borrowed<'_, '_, PyAny>) -> String {
     let text = object
         .repr()
         .map(|text| text.to_string())

@@ -208,7 +208,10 @@ impl<'a, 'py> FromPyObject<'a, 'py> for DriveArgument<'py> {
             return Ok(Self::Drive(drive.to_owned()));
         }
         object.extract().map(Self::Number).map_err(|_| {
-            PyTypeError::new_err("expected a number or a Drive, such as Drive.harmonic(1.0, 2.0)")
+            PyTypeError::new_err(
+                "expected a number or a Drive, such as Drive.harmonic(1.0, 2.0); a function of \
+                 time of your own is Drive.function(f, size=..., timescale=...)",
+            )
         })
     }
 }
@@ -218,6 +221,14 @@ impl DriveArgument<'_> {
         match self {
             Self::Drive(drive) => drive.get().drive.clone(),
             Self::Number(value) => Drive::constant(*value),
+        }
+    }
+
+    /// As Python writes it.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Drive(drive) => drive.get().__repr__(),
+            Self::Number(value) => float(*value),
         }
     }
 }

@@ -5,9 +5,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stick_slip::orbit::NotDifferentiable;
 use stick_slip::structure::NotSliding;
-use stick_slip::{Error, Reached, structure};
+use stick_slip::{Error, Reached};
 
 use crate::convert::Numbers;
+use crate::state::Shown;
 
 import_exception!(stick_slip._errors, ParameterError);
 import_exception!(stick_slip._errors, StickSlipError);
@@ -40,11 +41,48 @@ impl<T> OrRaise<T> for Result<T, Error> {
     }
 }
 
+/// What the crate's messages name, and what it is called in Python.
+const NAMES: [(&str, &str); 16] = [
+    ("; for a simulation without an end use `flow`", ""),
+    (", shorten the run, or use `flow`", ", or shorten the run"),
+    ("`with_max_steps`", "`max_steps=`"),
+    ("`with_max_events`", "`max_events=`"),
+    ("with `simulate_until`", "by `until=`"),
+    ("`steady_sliding_from`", "`near=`"),
+    ("`with_tangential_stiffness`", "`tangential_stiffness=`"),
+    ("`Contact::with_normal_spring`", "`normal_spring=`"),
+    ("`Contact::with_load_law`", "`load_laws=`"),
+    (
+        "`Stop::with_contact_stiffness(k, c)`",
+        "`stiffness=` and `damping=`",
+    ),
+    (
+        "`Structure::with_first_orders`",
+        "`Structure.with_first_orders`",
+    ),
+    ("`Coulomb::new(μ, μ)`", "`Coulomb(μ, μ)`"),
+    ("`Period::Free`", "`estimate=`"),
+    ("`Period::Driven`", "`periods=`"),
+    ("`f64::INFINITY`", "inf"),
+    (
+        "the pieces in `kinetic_on`",
+        "a list of functions, one for each piece",
+    ),
+];
+
+/// A message of the crate with the names of the package.
+pub fn in_python(message: impl ToString) -> String {
+    let message = message.to_string();
+    NAMES
+        .iter()
+        .fold(message, |message, (name, here)| message.replace(name, here))
+}
+
 fn exception(py: Python<'_>, error: Error) -> PyResult<PyErr> {
     let fields = PyDict::new(py);
     describe(&error, &fields)?;
     let variant = name_of(&error);
-    let message = error.to_string();
+    let message = in_python(&error);
     let is_argument = is_argument(&error);
     let cause = Cause(error).into_pyobject(py)?.unbind();
     let arguments = (message, variant, fields.unbind(), cause);
@@ -243,12 +281,12 @@ fn describe(error: &Error, to: &Bound<'_, PyDict>) -> PyResult<()> {
             fields!(to: direction);
         }
         Error::NoSteadySliding(reason) => {
-            to.set_item("reason", reason.to_string())?;
+            to.set_item("reason", in_python(reason))?;
             not_sliding(reason, to)?;
         }
         Error::NoDerivative { parameter, reason } => {
             fields!(to: parameter);
-            to.set_item("reason", reason.to_string())?;
+            to.set_item("reason", in_python(reason))?;
             match reason {
                 NotDifferentiable::Events { time } | NotDifferentiable::Order { time } => {
                     fields!(to: time);
@@ -313,7 +351,7 @@ fn describe(error: &Error, to: &Bound<'_, PyDict>) -> PyResult<()> {
             start,
         } => {
             fields!(to: residual, period);
-            to.set_item("start", state(start))?;
+            to.set_item("start", Shown(start.clone()))?;
         }
         Error::Stopped {
             parameter,
@@ -374,16 +412,7 @@ fn not_sliding(reason: &NotSliding, to: &Bound<'_, PyDict>) -> PyResult<()> {
 fn reach(reached: Option<&Reached>, to: &Bound<'_, PyDict>) -> PyResult<()> {
     if let Some(reached) = reached {
         to.set_item("time", reached.time)?;
-        to.set_item("state", state(&reached.state))?;
+        to.set_item("state", Shown(reached.state.clone()))?;
     }
     Ok(())
-}
-
-/// The state of a structure as a tuple of arrays.
-pub fn state(state: &structure::State) -> (Numbers, Numbers, Numbers) {
-    (
-        Numbers(state.displacements.clone()),
-        Numbers(state.velocities.clone()),
-        Numbers(state.memory.clone()),
-    )
 }

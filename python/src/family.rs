@@ -8,18 +8,32 @@ use pyo3::prelude::*;
 use stick_slip::{Error, Structure, structure};
 
 use crate::belt::BeltArgument;
-use crate::convert::{Numbers, Start};
+use crate::convert::{Numbers, shown};
 use crate::error::raised;
+use crate::state::Start;
 use crate::structure::PyStructure;
 use crate::waiting::Waiting;
 
 /// Any system, as the searches for periodic motions take it: a `Structure` or a mass on a belt.
-#[derive(FromPyObject)]
 pub enum AnySystem<'py> {
-    #[pyo3(transparent)]
     Structure(Bound<'py, PyStructure>),
-    #[pyo3(transparent)]
     Belt(BeltArgument<'py>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for AnySystem<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(structure) = object.cast::<PyStructure>() {
+            return Ok(Self::Structure(structure.to_owned()));
+        }
+        object.extract().map(Self::Belt).map_err(|_| {
+            PyTypeError::new_err(format!(
+                "expected a Structure, a MassOnBelt or a PhysicalMassOnBelt, not {}",
+                shown(&object)
+            ))
+        })
+    }
 }
 
 impl AnySystem<'_> {

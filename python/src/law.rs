@@ -1,27 +1,28 @@
-//! Friction laws: `Law`, and `ContactLaw` with memory.
+//! Dry friction laws: `Law`, and the distribution `Iwan4` of joints.
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Dahl, Drive, Dwell, Error, Exponential, FrictionLaw, LuGre,
-    MassOnBelt, Physical, PhysicalMassOnBelt, Polynomial, Rational, Stribeck, Tabulated,
+    AnyLaw, Contact, Coulomb, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Physical,
+    PhysicalMassOnBelt, Polynomial, Rational, Stribeck, Tabulated,
 };
 
 use crate::any_belt::Belt;
-use crate::convert::{Points, elementwise, float};
-use crate::error::OrRaise;
+use crate::convert::{Points, elementwise, float, shown};
+use crate::error::{OrRaise, in_python};
 use crate::traced::{Traced, pieces_of};
 
 /// Runs an expression with the law of either kind, so that each keeps the crate's own code.
 macro_rules! with_law {
     ($kind:expr, $law:ident => $result:expr) => {
         match $kind {
-            Kind::Named($law) => $result,
-            Kind::Traced($law) => $result,
+            $crate::law::Kind::Named($law) => $result,
+            $crate::law::Kind::Traced($law) => $result,
         }
     };
 }
+pub(crate) use with_law;
 
 /// Where a law comes from.
 #[derive(Clone)]
@@ -51,7 +52,7 @@ impl Kind {
         })
     }
 
-    fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
+    pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
         with_law!(self, law => Contact::along(direction, law.clone(), load))
     }
 }
@@ -61,6 +62,9 @@ impl Kind {
 /// A law of your own is a function of the speed, written with +, -, *, /, ** and numpy's exp, log,
 /// sqrt, tanh, arctan, sin, cos, abs, square and reciprocal. It is called once, with a symbol, and
 /// recorded; the crate then differentiates it exactly. It must be analytic from speed 0 on.
+///
+/// Stick is exact, so give the coefficient of slip itself, without the regularization that solvers
+/// of smooth equations need: 0.3, not 0.3 tanh(v/1e-3).
 ///
 /// Args:
 ///     function: the kinetic coefficient as a function of the sliding speed (>= 0, in the units
@@ -191,7 +195,7 @@ impl PyLaw {
     /// True
     fn check(&self, low: f64, high: f64) -> PyResult<Vec<String>> {
         let faults = with_law!(&self.kind, law => stick_slip::check_law(law, low..high));
-        Ok(faults.or_raise()?.iter().map(ToString::to_string).collect())
+        Ok(faults.or_raise()?.iter().map(in_python).collect())
     }
 
     fn __repr__(&self) -> &str {
@@ -263,6 +267,23 @@ impl PyLaw {
                     .into_pyobject(py)?,
             ),
             _ => return Err(PyValueError::new_err("this law cannot be pickled")),
+        })
+    }
+}
+
+/// A dry law as an argument.
+pub struct LawArgument<'py>(pub Bound<'py, PyLaw>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for LawArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        object.cast::<PyLaw>().map(|law| Self(law.to_owned())).map_err(|_| {
+            PyTypeError::new_err(format!(
+                "expected a friction law, not {}: Coulomb(0.4, 0.3) and the like, or a function of \
+                 your own as Law(function, static=0.4); a ContactLaw is for contacts only",
+                shown(&object)
+            ))
         })
     }
 }
@@ -458,218 +479,6 @@ pub fn tabulated(
         None => Ok(law),
     });
     law.or_raise().map(PyLaw::named)
-}
-
-/// A contact law with memory, for contacts of a `Structure`: see `Dwell`, `Dahl` and `LuGre`.
-#[pyclass(frozen, name = "ContactLaw", module = "stick_slip")]
-pub struct PyContactLaw {
-    law: Memory,
-    text: String,
-}
-
-/// A contact law with the type of its dry law.
-#[derive(Clone)]
-pub enum Memory {
-    /// With how static friction rises, which the crate's law does not tell.
-    DwellNamed(Dwell<AnyLaw>, Rise),
-    DwellTraced(Dwell<Traced>),
-    Dahl(Dahl),
-    LuGreNamed(LuGre<AnyLaw>),
-    LuGreTraced(LuGre<Traced>),
-}
-
-/// How static friction rises with the time in stick.
-#[derive(Clone, Copy)]
-pub struct Rise {
-    time: f64,
-    limit: Option<f64>,
-    rate: Option<f64>,
-    hyperbolic: bool,
-}
-
-impl Rise {
-    fn of<L: FrictionLaw>(self, law: L) -> PyResult<Dwell<L>> {
-        let Self {
-            time,
-            limit,
-            rate,
-            hyperbolic,
-        } = self;
-        match (limit, rate, hyperbolic) {
-            (Some(limit), None, false) => Dwell::exponential(law, limit, time).or_raise(),
-            (Some(limit), None, true) => Dwell::hyperbolic(law, limit, time).or_raise(),
-            (None, Some(rate), false) => Dwell::logarithmic(law, rate, time).or_raise(),
-            _ => Err(PyValueError::new_err(
-                "give limit (exponential form, or with hyperbolic=True), or rate (logarithmic)",
-            )),
-        }
-    }
-}
-
-impl PyContactLaw {
-    pub fn memory(&self) -> &Memory {
-        &self.law
-    }
-
-    /// The law with its dry law's own type, if that is Coulomb's.
-    pub fn dwell_of_coulomb(&self) -> Option<PyResult<Dwell<Coulomb>>> {
-        match &self.law {
-            Memory::DwellNamed(law, rise) => match law.law() {
-                AnyLaw::Coulomb(law) => Some(rise.of(*law)),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
-}
-
-#[pymethods]
-impl PyContactLaw {
-    /// The static coefficient after so much time in stick; dimensionless. None for a law without
-    /// stick (bristles).
-    ///
-    /// >>> from stick_slip import Coulomb, Dwell
-    /// >>> law = Dwell(Coulomb(0.3, 0.2), limit=0.5, time=2.0)
-    /// >>> law.static_coefficient(0.0), law.static_coefficient(float("inf"))
-    /// (0.3, 0.5)
-    fn static_coefficient(&self, rest: f64) -> Option<f64> {
-        match &self.law {
-            Memory::DwellNamed(law, _) => Some(law.static_coefficient(rest)),
-            Memory::DwellTraced(law) => Some(law.static_coefficient(rest)),
-            _ => None,
-        }
-    }
-
-    fn __repr__(&self) -> &str {
-        &self.text
-    }
-}
-
-/// Static friction that rises with the time in stick. Give `limit` or `rate`:
-///
-/// exponential: limit - (limit - mu_s) exp(-t/time);
-/// hyperbolic: mu_s + (limit - mu_s) t/(t + time);
-/// logarithmic: mu_s + rate ln(1 + t/time).
-///
-/// Args:
-///     law: the law in slip; its static coefficient mu_s is that of stick without delay.
-///     limit: the static coefficient after a long stick, dimensionless, >= mu_s.
-///     rate: the growth per unit of ln t, dimensionless, >= 0.
-///     time: the time constant, in units of time, > 0.
-///     hyperbolic: the hyperbolic form instead of the exponential one.
-///
-/// >>> from stick_slip import Coulomb, Dwell
-/// >>> Dwell(Coulomb(0.3, 0.2), rate=0.01, time=1.0)
-/// Dwell(Coulomb(0.3, 0.2), rate=0.01, time=1.0)
-#[pyfunction(name = "Dwell")]
-#[pyo3(signature = (law, *, time, limit = None, rate = None, hyperbolic = false))]
-pub fn dwell(
-    law: &PyLaw,
-    time: f64,
-    limit: Option<f64>,
-    rate: Option<f64>,
-    hyperbolic: bool,
-) -> PyResult<PyContactLaw> {
-    let rise = Rise {
-        time,
-        limit,
-        rate,
-        hyperbolic,
-    };
-    let mut text = format!("Dwell({}", law.text);
-    for (name, value) in [("limit", limit), ("rate", rate), ("time", Some(time))] {
-        if let Some(value) = value {
-            text += &format!(", {name}={}", float(value));
-        }
-    }
-    if hyperbolic {
-        text += ", hyperbolic=True";
-    }
-    text += ")";
-    let law = match &law.kind {
-        Kind::Named(law) => Memory::DwellNamed(rise.of(law.clone())?, rise),
-        Kind::Traced(law) => Memory::DwellTraced(rise.of(law.clone())?),
-    };
-    Ok(PyContactLaw { law, text })
-}
-
-/// Dahl's bristle model: elastic before it slides, without a static limit.
-///
-/// Args:
-///     coefficient: the coefficient in steady sliding, dimensionless, > 0.
-///     stiffness: of the bristles, per unit of displacement (force = load times coefficient).
-///
-/// >>> from stick_slip import Dahl
-/// >>> Dahl(0.3, 1e4)
-/// Dahl(0.3, 10000.0)
-#[pyfunction(name = "Dahl")]
-pub fn dahl(coefficient: f64, stiffness: f64) -> PyResult<PyContactLaw> {
-    let law = Memory::Dahl(Dahl::new(coefficient, stiffness).or_raise()?);
-    let text = format!("Dahl({}, {})", float(coefficient), float(stiffness));
-    Ok(PyContactLaw { law, text })
-}
-
-/// The LuGre bristle model.
-///
-/// Args:
-///     law: the friction in steady sliding, without the viscous term.
-///     stiffness: of the bristles, per unit of displacement.
-///     damping: of the bristles, per unit of velocity.
-///     viscous: the viscous coefficient, per unit of velocity.
-///
-/// >>> from stick_slip import Exponential, LuGre
-/// >>> LuGre(Exponential(0.4, 0.25, 0.5), 1e4, 10.0, viscous=0.1)
-/// LuGre(Exponential(0.4, 0.25, 0.5), 10000.0, 10.0, viscous=0.1)
-#[pyfunction(name = "LuGre")]
-#[pyo3(signature = (law, stiffness, damping, viscous = 0.0))]
-pub fn lugre(law: &PyLaw, stiffness: f64, damping: f64, viscous: f64) -> PyResult<PyContactLaw> {
-    let text = format!(
-        "LuGre({}, {}, {}, viscous={})",
-        law.text,
-        float(stiffness),
-        float(damping),
-        float(viscous)
-    );
-    let law = match &law.kind {
-        Kind::Named(law) => {
-            Memory::LuGreNamed(LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?)
-        }
-        Kind::Traced(law) => {
-            Memory::LuGreTraced(LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?)
-        }
-    };
-    Ok(PyContactLaw { law, text })
-}
-
-/// Either kind of law, as contacts take it.
-#[derive(FromPyObject)]
-pub enum ContactLawArgument<'py> {
-    #[pyo3(transparent)]
-    Dry(Bound<'py, PyLaw>),
-    #[pyo3(transparent)]
-    Memory(Bound<'py, PyContactLaw>),
-}
-
-impl ContactLawArgument<'_> {
-    pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
-        match self {
-            Self::Dry(law) => law.get().kind.contact(direction, load),
-            Self::Memory(law) => match law.get().law.clone() {
-                Memory::DwellNamed(law, _) => Contact::along(direction, law, load),
-                Memory::DwellTraced(law) => Contact::along(direction, law, load),
-                Memory::Dahl(law) => Contact::along(direction, law, load),
-                Memory::LuGreNamed(law) => Contact::along(direction, law, load),
-                Memory::LuGreTraced(law) => Contact::along(direction, law, load),
-            },
-        }
-    }
-
-    pub fn text(&self) -> &str {
-        match self {
-            Self::Dry(law) => &law.get().text,
-            Self::Memory(law) => &law.get().text,
-        }
-    }
 }
 
 /// Segalman's distribution of springs and sliders (four-parameter Iwan model), for

@@ -6,16 +6,22 @@
 mod analysis;
 mod any_belt;
 mod belt;
+mod contact;
+mod contact_law;
 mod convert;
 mod cycle;
 mod drive;
 mod error;
 mod family;
+mod first_order;
+mod force;
 mod law;
 mod motion;
 mod orbit;
 mod record;
 mod simulate;
+mod state;
+mod stop;
 mod structure;
 mod traced;
 mod waiting;
@@ -28,6 +34,12 @@ mod _stick_slip {
     #[pymodule_export]
     use crate::belt::{Equilibrium, PyBelt, PyPhysicalBelt};
     #[pymodule_export]
+    use crate::contact::PyContact;
+    #[pymodule_export]
+    use crate::contact_law::{
+        PyContactLaw, PyRateState, capstan, dahl, directional, dwell, freewheel, lugre,
+    };
+    #[pymodule_export]
     use crate::cycle::{
         Along, BeltAttractor, CycleEnergy, CycleSet, Diagram, LimitCycle, PyDiagramPoint, along,
         attractor, criticality, crossing_velocities, diagram, fold_velocities, grazing_velocities,
@@ -37,9 +49,15 @@ mod _stick_slip {
     #[pymodule_export]
     use crate::drive::PyDrive;
     #[pymodule_export]
+    use crate::first_order::PyFirstOrder;
+    #[pymodule_export]
+    use crate::force::{
+        PyForceElement, PyForceLaw, backlash, pendulum, polynomial_spring, snap_through,
+        tabulated_force, van_der_pol,
+    };
+    #[pymodule_export]
     use crate::law::{
-        Iwan4, PyContactLaw, PyLaw, coulomb, dahl, dwell, exponential, lugre, polynomial, rational,
-        stribeck, tabulated,
+        Iwan4, PyLaw, coulomb, exponential, polynomial, rational, stribeck, tabulated,
     };
     #[pymodule_export]
     use crate::motion::{EnergyBudget, PyMotion, Samples};
@@ -52,11 +70,9 @@ mod _stick_slip {
         section, section_at, sensitivities, settle, shoot, sweep, vibration_ranges,
     };
     #[pymodule_export]
-    use crate::structure::{
-        Carried, Mechanism, PyContact, PyForceElement, PyForceLaw, PyStructure, StabilityChange,
-        SteadySliding, backlash, pendulum, polynomial_spring, snap_through, tabulated_force,
-        van_der_pol,
-    };
+    use crate::stop::PyStop;
+    #[pymodule_export]
+    use crate::structure::{Carried, Mechanism, PyStructure, StabilityChange, SteadySliding};
     #[pymodule_export]
     use crate::waiting::Progress;
 
@@ -73,10 +89,11 @@ mod _stick_slip {
             TwoInertias, WithoutStops, averaged_cycles, backbone, contact_vibration,
             coulomb_silencing_damping, coulomb_stick_slip, drift, drift_slope,
             duffing_friction_decay, duffing_period, duffing_response, exponential_hopf_velocities,
-            first_harmonic, free_vibration, largest_stick_slip_velocity, loop_area, masing,
-            mean_coefficient, mode_coupling_flutter, no_stop_limit, onset_velocity,
-            passive_viscosity, quiet_velocity, regime, silencing_damping_everywhere,
-            stabilizing_damping, steady_bristles, symmetric_response, tangential_slip,
+            first_harmonic, first_integral, free_vibration, healing, largest_stick_slip_velocity,
+            loop_area, masing, mean_coefficient, mode_coupling_flutter, no_stop_limit,
+            onset_velocity, passive_viscosity, quiet_velocity, regime,
+            silencing_damping_everywhere, stabilizing_damping, steady_bristles, stress_drop,
+            symmetric_response, tangential_slip, time_to_instability, velocity_step,
         };
 
         /// Makes the module one that can be imported by its name.

@@ -9,11 +9,12 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 use stick_slip::bifurcation::Criticality;
-use stick_slip::{Element, Ended, EventKind, Mode, Structure, Trajectory, structure};
+use stick_slip::{Element, Ended, Event, EventKind, Mode, Structure, Trajectory, structure};
 
-use crate::convert::{Index, Numbers, Table, short};
+use crate::convert::{Index, Numbers, Table, elementwise, short};
 use crate::error::{OrRaise, raised};
 use crate::record::record;
+use crate::state::Shown;
 
 /// A motion of either kind of system.
 #[derive(Clone)]
@@ -36,21 +37,23 @@ macro_rules! with_motion {
 /// An event without its state.
 pub struct Happening {
     pub time: f64,
-    pub contact: usize,
+    pub element: Element,
     pub kind: EventKind,
+}
+
+impl<S> From<&Event<S>> for Happening {
+    fn from(event: &Event<S>) -> Self {
+        Self {
+            time: event.time,
+            element: event.element,
+            kind: event.kind,
+        }
+    }
 }
 
 impl AnyMotion {
     pub fn events(&self) -> Vec<Happening> {
-        with_motion!(self, motion => motion
-            .events()
-            .iter()
-            .map(|event| Happening {
-                time: event.time,
-                contact: contact_of(event.element),
-                kind: event.kind,
-            })
-            .collect())
+        with_motion!(self, motion => motion.events().iter().map(Happening::from).collect())
     }
 
     pub fn ended(&self) -> &Ended {
@@ -70,11 +73,12 @@ impl AnyMotion {
     }
 }
 
-/// The number of the contact of an event; systems of this package have no events of other elements.
-pub fn contact_of(element: Element) -> usize {
+/// The number of the contact of an event, or of its stop.
+pub fn contact_and_stop(element: Element) -> [Option<usize>; 2] {
     match element {
-        Element::Contact(contact) => contact,
-        other => unreachable!("an event of {other}"),
+        Element::Contact(contact) => [Some(contact), None],
+        Element::Stop(stop) => [None, Some(stop)],
+        _ => [None; 2],
     }
 }
 
@@ -98,14 +102,17 @@ pub fn kind_name(kind: EventKind) -> (&'static str, i32) {
     }
 }
 
-/// Events as a structured array that pandas takes: time, contact, kind, direction.
+/// Events as a structured array that pandas takes: see `Motion.events`.
 pub fn events_array<'py>(py: Python<'py>, events: &[Happening]) -> PyResult<Bound<'py, PyAny>> {
     const LETTERS: usize = 8;
-    let mut bytes = Vec::with_capacity(events.len() * (8 + 4 + 4 * LETTERS + 4));
+    let mut bytes = Vec::with_capacity(events.len() * (8 + 4 + 4 + 4 * LETTERS + 4));
     for event in events {
         let (name, direction) = kind_name(event.kind);
         bytes.extend(event.time.to_le_bytes());
-        bytes.extend((event.contact as i32).to_le_bytes());
+        for number in contact_and_stop(event.element) {
+            let number = number.map_or(-1, |number| number as i32);
+            bytes.extend(number.to_le_bytes());
+        }
         let letters = name
             .chars()
             .map(|letter| letter as u32)
@@ -120,6 +127,7 @@ pub fn events_array<'py>(py: Python<'py>, events: &[Happening]) -> PyResult<Boun
         let fields = [
             ("time", "<f8"),
             ("contact", "<i4"),
+            ("stop", "<i4"),
             ("kind", "<U8"),
             ("direction", "<i4"),
         ];
@@ -191,7 +199,8 @@ impl PyMotion {
         with_motion!(&self.0, motion => motion.steps().len())
     }
 
-    /// The events as a structured array with the fields time, contact, kind ("stick", "release",
+    /// The events as a structured array with the fields time, contact (its number; -1 for an event
+    /// of a stop), stop (its number; -1 for an event of a contact), kind ("stick", "release",
     /// "crossing", "open" or "close") and direction (of slip after the event: -1 or +1, otherwise
     /// 0). `pandas.DataFrame(motion.events)` makes a table of it.
     #[getter]
@@ -217,13 +226,37 @@ impl PyMotion {
         }
     }
 
-    /// The memory variables of the contacts at the end; empty for laws without memory.
-    #[getter]
-    fn last_memory(&self) -> Numbers {
-        match &self.0 {
-            AnyMotion::Belt(_) => Numbers(Vec::new()),
-            AnyMotion::Structure(motion, _) => Numbers(motion.last().memory),
-        }
+    /// The whole state at a time, from which a motion goes on with the same bits: two numbers
+    /// (u, v) for a mass on a belt, a `State` for a structure. None outside of the motion.
+    ///
+    /// Args:
+    ///     time: in units of time; the end of the motion if it is None.
+    ///
+    /// >>> from stick_slip import Contact, Coulomb, Dwell, Structure
+    /// >>> law = Dwell(Coulomb(0.3, 0.2), limit=0.5, time=2.0)
+    /// >>> block = (Structure([1.0]).with_ground_spring(0, 1.0)
+    /// ...     .with_contact(Contact(0, law, 1.0, belt_velocity=0.1)))
+    /// >>> first = block.simulate(([0.0], [0.1], [0.0]), 2.0)
+    /// >>> first.state_at()       # the memory variable is the time in stick
+    /// State(displacements=array([0.2]), velocities=array([0.1]), memory=array([2.]), sliding={})
+    /// >>> then = block.simulate(first.state_at(), 5.0, start_time=first.end_time)
+    #[pyo3(signature = (time = None))]
+    fn state_at<'py>(
+        &self,
+        py: Python<'py>,
+        time: Option<f64>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        Ok(match &self.0 {
+            AnyMotion::Belt(motion) => {
+                let state = time.map_or_else(|| Some(motion.last()), |time| motion.state_at(time));
+                let pair = state.map(|it| (it.displacement, it.velocity).into_pyobject(py));
+                pair.transpose()?.map(Bound::into_any)
+            }
+            AnyMotion::Structure(motion, _) => {
+                let state = time.map_or_else(|| Some(motion.last()), |time| motion.state_at(time));
+                state.map(|it| Shown(it).into_pyobject(py)).transpose()?
+            }
+        })
     }
 
     /// Displacements and velocities at given times; nan outside of the motion.
@@ -264,7 +297,7 @@ impl PyMotion {
     }
 
     /// The memory variables at given times, in an array of shape (n, variables); nan outside of the
-    /// motion. The variables of contact 0 come first.
+    /// motion. The variables of contact 0 come first, first-order states last.
     fn sample_memory<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = times.py();
         let times = times_of(times)?;
@@ -273,6 +306,33 @@ impl PyMotion {
         };
         let [memory] = py.detach(|| sample_structure(motion, &times, |state| [&state.memory]));
         Ok(memory.into_pyobject(py)?.into_any())
+    }
+
+    /// The relative velocity of a contact of a structure at given times, in units of velocity: with
+    /// all its digits also where the contact creeps (`RateState`), 0 in stick, nan outside of the
+    /// motion.
+    ///
+    /// Args:
+    ///     times: a number or an array, in units of time.
+    ///     contact: its number.
+    ///
+    /// >>> from stick_slip import Contact, Coulomb, Structure
+    /// >>> contact = Contact(0, Coulomb(0.4, 0.4), 10.0, belt_velocity=0.5)
+    /// >>> motion = Structure([2.0]).with_contact(contact).simulate(([0.0], [0.0]), 1.0)
+    /// >>> motion.sliding_velocity([0.125, 0.5])
+    /// array([-0.25,  0.  ])
+    #[pyo3(signature = (times, contact = Index(0)), text_signature = "($self, times, contact=0)")]
+    fn sliding_velocity<'py>(
+        &self,
+        times: &Bound<'py, PyAny>,
+        contact: Index,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let AnyMotion::Structure(motion, _) = &self.0 else {
+            return Err(PyTypeError::new_err(
+                "sliding velocities are those of a Structure: simulate system.structure()",
+            ));
+        };
+        elementwise(times, |time| motion.sliding_velocity(contact.0, time))
     }
 
     /// The mode of a contact at a time: "stick", "slip" or "open"; None outside of the motion. At
@@ -314,7 +374,7 @@ impl PyMotion {
     fn samples(&self, py: Python<'_>, interval: f64) -> PyResult<Samples> {
         let AnyMotion::Structure(motion, Some(structure)) = &self.0 else {
             return Err(PyTypeError::new_err(
-                "samples with forces are those of a Structure: simulate Structure(system)",
+                "samples with forces are those of a Structure: simulate system.structure()",
             ));
         };
         let found = py.detach(|| Ok(structure.samples(motion, interval)?.collect::<Vec<_>>()));
@@ -325,7 +385,7 @@ impl PyMotion {
     fn energy_budget(&self, py: Python<'_>) -> PyResult<EnergyBudget> {
         let AnyMotion::Structure(motion, Some(structure)) = &self.0 else {
             return Err(PyTypeError::new_err(
-                "energies are those of a Structure: simulate Structure(system)",
+                "energies are those of a Structure: simulate system.structure()",
             ));
         };
         py.detach(|| structure.energy_budget(motion))
@@ -456,7 +516,7 @@ record! {
         displacements: Table,
         /// Velocities, shape (n, coordinates).
         velocities: Table,
-        /// Memory variables of the contacts, shape (n, variables).
+        /// Memory variables of the contacts, then first-order states, shape (n, variables).
         memory: Table,
         /// Accelerations, in units of velocity per time, shape (n, coordinates).
         accelerations: Table,
@@ -468,6 +528,8 @@ record! {
         loads: Table,
         /// The forces of the force elements, in units of force, one column for each direction.
         element_forces: Table,
+        /// The force of each stop, in units of force, shape (n, stops).
+        stop_forces: Table,
     }
     fn __len__(&self) -> usize {
         self.time.0.len()
@@ -494,13 +556,14 @@ impl Samples {
             friction: table(&|sample| sample.friction.clone()),
             loads: table(&|sample| sample.loads.clone()),
             element_forces: table(&|sample| sample.element_forces.concat()),
+            stop_forces: table(&|sample| sample.stop_forces.clone()),
         }
     }
 }
 
 record! {
     /// Work and heat over a motion, in units of force times displacement. Entries of arrays belong
-    /// to coordinates, contacts or force elements.
+    /// to coordinates, contacts, force elements or stops.
     EnergyBudget {
         /// The energy at the end minus the energy at the start.
         stored: f64,
@@ -516,6 +579,8 @@ record! {
         normal_work: Numbers,
         /// Work of each force element beyond its potential.
         element_work: Numbers,
+        /// Heat in each stop.
+        stop_loss: Numbers,
         /// Heat in all dampers.
         damper_loss: f64,
         /// Work of the skew-symmetric part of the stiffness matrix.
@@ -535,6 +600,7 @@ impl From<stick_slip::EnergyBudget> for EnergyBudget {
             friction_loss: Numbers(energy.friction_loss.clone()),
             normal_work: Numbers(energy.normal_work.clone()),
             element_work: Numbers(energy.element_work.clone()),
+            stop_loss: Numbers(energy.stop_loss.clone()),
             damper_loss: energy.damper_loss,
             circulation: energy.circulation,
             defect: energy.defect(),

@@ -12,14 +12,15 @@ use stick_slip::structure::State;
 use stick_slip::{Element, EventKind, Search, Structure};
 
 use crate::belt::BeltArgument;
-use crate::convert::{ComplexNumbers, Index, Numbers, Start, Table, short};
-use crate::error::OrRaise;
+use crate::convert::{ComplexNumbers, Index, Numbers, Table, short};
+use crate::error::{OrRaise, in_python};
 use crate::family::{AnySystem, Family};
 use crate::motion::{
-    AnyMotion, EnergyBudget, Happening, PyMotion, contact_of, criticality_name, entry,
+    AnyMotion, EnergyBudget, Happening, PyMotion, contact_and_stop, criticality_name, entry,
     events_array, iterator, kind_name,
 };
 use crate::record::record;
+use crate::state::{Shown, Start};
 use crate::waiting::{Options, Waiting, search, work};
 
 type RustOrbit = orbit::Orbit<State>;
@@ -106,10 +107,10 @@ impl PyOrbit {
         self.orbit.hertz()
     }
 
-    /// The state (q, v, memory) at the start of the period.
+    /// The `State` at the start of the period.
     #[getter]
-    fn state(&self) -> (Numbers, Numbers, Numbers) {
-        crate::error::state(&self.orbit.state())
+    fn state(&self) -> Shown {
+        Shown(self.orbit.state())
     }
 
     /// The motion over one period.
@@ -122,11 +123,7 @@ impl PyOrbit {
     /// The events of a period: see `Motion.events`.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let events = self.orbit.events().iter().map(|event| Happening {
-            time: event.time,
-            contact: contact_of(event.element),
-            kind: event.kind,
-        });
+        let events = self.orbit.events().iter().map(Happening::from);
         events_array(py, &events.collect::<Vec<_>>())
     }
 
@@ -522,9 +519,8 @@ record! {
 }
 
 fn sequence(events: &[(Element, EventKind)]) -> String {
-    let event = |(element, kind): &(Element, EventKind)| {
-        format!("{}: {}", contact_of(*element), kind_name(*kind).0)
-    };
+    let event =
+        |(element, kind): &(Element, EventKind)| format!("{element}: {}", kind_name(*kind).0);
     events.iter().map(event).collect::<Vec<_>>().join(", ")
 }
 
@@ -566,7 +562,7 @@ impl From<&orbit::BranchEnd> for BranchEnd {
             orbit::BranchEnd::Work => ("work", None, String::new()),
             orbit::BranchEnd::Stopped { parameter } => ("stopped", Some(*parameter), String::new()),
             orbit::BranchEnd::Lost { parameter, error } => {
-                ("lost", Some(*parameter), error.to_string())
+                ("lost", Some(*parameter), in_python(error))
             }
             other => ("other", None, format!("{other:?}")),
         };
@@ -1553,9 +1549,9 @@ impl PySensitivities {
         (begin, end)
     }
 
-    /// The state (q, v, memory) at a time; None outside of the motion.
-    fn state_at(&self, time: f64) -> Option<(Numbers, Numbers, Numbers)> {
-        self.0.state_at(time).as_ref().map(crate::error::state)
+    /// The `State` at a time; None outside of the motion.
+    fn state_at(&self, time: f64) -> Option<Shown> {
+        self.0.state_at(time).map(Shown)
     }
 
     /// The derivatives of the state at a time: a row for each displacement, then each velocity,
@@ -1567,11 +1563,15 @@ impl PySensitivities {
     /// The events, each with the derivatives of its time.
     #[getter]
     fn events(&self) -> Vec<EventSensitivity> {
-        let event = |event: orbit::EventSensitivity| EventSensitivity {
-            time: event.time,
-            contact: contact_of(event.element),
-            kind: kind_name(event.kind).0,
-            by_parameters: Numbers(event.by_parameters),
+        let event = |event: orbit::EventSensitivity| {
+            let [contact, stop] = contact_and_stop(event.element);
+            EventSensitivity {
+                time: event.time,
+                contact,
+                stop,
+                kind: kind_name(event.kind).0,
+                by_parameters: Numbers(event.by_parameters),
+            }
         };
         self.0.events().into_iter().map(event).collect()
     }
@@ -1587,8 +1587,10 @@ record! {
     EventSensitivity {
         /// The time of the event.
         time: f64,
-        /// The contact.
-        contact: usize,
+        /// The number of the contact; None if it is an event of a stop.
+        contact: Option<usize>,
+        /// The number of the stop; None if it is an event of a contact.
+        stop: Option<usize>,
         /// "stick", "release", "crossing", "open" or "close".
         kind: &'static str,
         /// The derivative of the time by each parameter.

@@ -31,7 +31,9 @@ from stick_slip._stick_slip.analysis import (
     duffing_response,
     exponential_hopf_velocities,
     first_harmonic,
+    first_integral,
     free_vibration,
+    healing,
     largest_stick_slip_velocity,
     loop_area,
     masing,
@@ -45,8 +47,11 @@ from stick_slip._stick_slip.analysis import (
     silencing_damping_everywhere,
     stabilizing_damping,
     steady_bristles,
+    stress_drop,
     symmetric_response,
     tangential_slip,
+    time_to_instability,
+    velocity_step,
 )
 
 __all__ = [
@@ -80,7 +85,9 @@ __all__ = [
     "duffing_response",
     "exponential_hopf_velocities",
     "first_harmonic",
+    "first_integral",
     "free_vibration",
+    "healing",
     "largest_stick_slip_velocity",
     "loop_area",
     "masing",
@@ -94,6 +101,9 @@ __all__ = [
     "silencing_damping_everywhere",
     "stabilizing_damping",
     "steady_bristles",
+    "stress_drop",
     "symmetric_response",
     "tangential_slip",
+    "time_to_instability",
+    "velocity_step",
 ]

@@ -22,10 +22,12 @@ DirectionLike: TypeAlias = Union[int, Mapping[int, float], Sequence[tuple[int, f
 StateLike: TypeAlias = Union[
     tuple[npt.ArrayLike, npt.ArrayLike],
     tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
+    tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike, Mapping[int, float]],
     Sequence[float],
     Array,
 ]
-"""Displacements and velocities, and memory variables where there are any."""
+"""Displacements and velocities; memory variables, and relative velocities of contacts, where there
+are any. A `State` is one."""
 
 Belt: TypeAlias = Union[MassOnBelt, PhysicalMassOnBelt]
 """A mass on a belt in either system of units."""

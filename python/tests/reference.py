@@ -72,6 +72,16 @@ def drive(given: Any) -> ss.Drive:
 
 def contact_law(given: dict[str, Any]) -> ss.Law | ss.ContactLaw | None:
     """None if Python cannot express it: a dry law with another static coefficient."""
+    p = given.get("law_params", {})
+    match given.get("law"):
+        case "directional":
+            sides = [p[side] for side in ("forward", "backward")]
+            return ss.Directional(*[ss.Coulomb(float(s["mus"]), float(s["muk"])) for s in sides])
+        case "freewheel":
+            return ss.Freewheel(ss.Coulomb(float(p["drag"]), float(p["drag"])))
+        case "rate_state":
+            f0, a, b, d_c, v0 = (float(p[name]) for name in ("f0", "a", "b", "dc", "v0"))
+            return ss.RateState(f0=f0, a=a, b=b, d_c=d_c, v0=v0, evolution=p["evolution"])
     own = law(given)
     if "dwell" in given:
         dwell = given["dwell"]
@@ -90,6 +100,41 @@ def contact_law(given: dict[str, Any]) -> ss.Law | ss.ContactLaw | None:
         sigma = [float(given["bristle"][f"sigma{i}"]) for i in range(3)]
         return ss.LuGre(own, sigma[0], sigma[1], sigma[2])
     return own
+
+
+def force_law(given: dict[str, Any]) -> ss.ForceLaw | None:
+    """None if Python cannot express it: a force of several directions."""
+    if given["law"] == "polynomial":
+        return ss.PolynomialSpring(floats(given["law_params"]["c"]))
+    p = {name: float(value) for name, value in given["law_params"].items()}
+    match given["law"]:
+        case "sine":
+            return ss.Pendulum(p["A"], p["l"])
+        case "gap":
+            return ss.Backlash(p["k"], p["g"])
+        case "snap":
+            return ss.SnapThrough(p["k"], p["L"], p["l"])
+        case "van_der_pol":
+            return ss.VanDerPol(p["a"], p["b"])
+        case "cubic_damper":
+            return ss.ForceLaw(lambda x, v: p["c"] * v**3)
+        case "exponential":
+            return ss.ForceLaw(lambda x, v: p["A"] * (np.exp(x / p["l"]) - 1.0))
+        case "magnet":
+            return ss.ForceLaw(lambda x, v: -p["A"] / (p["g"] - x) ** 2)
+        case "quartic_pair":
+            return None
+    raise ValueError(given["law"])
+
+
+def stop(given: dict[str, Any]) -> ss.Stop:
+    return ss.Stop(
+        dict(enumerate(floats(given["direction"]))),
+        float(given["gap"]),
+        stiffness=float(given["k"]),
+        damping=float(given["c"]),
+        adhesive=given["kind"] == "adhesive",
+    )
 
 
 def structure(system: dict[str, Any]) -> ss.Structure | None:
@@ -123,13 +168,20 @@ def structure(system: dict[str, Any]) -> ss.Structure | None:
         elif gradient:
             options["load_gradient"] = gradient
         built = built.with_contact(ss.Contact(direction, rule, drive(given["N0"]), **options))
-    return built
+    for given in system.get("forces", []):
+        force = force_law(given)
+        if force is None:
+            return None
+        factor = drive(given["factor"]) if "factor" in given else None
+        row = dict(enumerate(floats(given["directions"][0])))
+        built = built.with_element(ss.ForceElement(row, force, factor=factor))
+    return built.with_stops([stop(given) for given in system.get("kv_stops", [])])
 
 
 def start(case: dict[str, Any]) -> Any:
     given = case["start"]
     parts = [floats(given["q"]), floats(given["v"])]
-    for memory in ("T", "z"):
+    for memory in ("T", "z", "phi"):
         if memory in given:
             parts.append(floats(given[memory]))
     return tuple(parts)

@@ -53,7 +53,8 @@ def test_both_systems_of_units_move_alike() -> None:
 def test_samples_modes_and_events() -> None:
     motion = ss.MassOnBelt(LAW, 0.2, damping=0.05).simulate((0.0, 0.0), 10.0)
     events = motion.events
-    assert events.dtype.names == ("time", "contact", "kind", "direction")
+    assert events.dtype.names == ("time", "contact", "stop", "kind", "direction")
+    assert list(events["contact"]) == [0] * 4 and list(events["stop"]) == [-1] * 4
     assert list(events["kind"]) == ["stick", "release", "stick", "release"]
     assert list(events["direction"]) == [0, -1, 0, -1]
     u, v = motion.sample([0.0, *events["time"], 10.5, math.nan])
@@ -143,7 +144,7 @@ def test_errors_carry_their_numbers() -> None:
     with pytest.raises(ss.StickSlipError) as stopped:
         ss.MassOnBelt(LAW, 0.2).simulate((0.0, 0.0), 100.0, max_steps=5)
     assert stopped.value.limit == 5 and stopped.value.variant == "TooManySteps"
-    q, v, memory = stopped.value.state
+    q, v, memory, sliding = stopped.value.state
     found = stopped.value.found
     assert found.end_time == stopped.value.time
     assert (q[0], v[0]) == pytest.approx(found.last)
@@ -174,6 +175,51 @@ def test_every_variant_of_the_crate_has_its_fields() -> None:
     named = set(re.findall(r"Error::(\w+)", package))
     plain = {"NotSmooth", "NoHopfPoint", "NoCommonPeriod", "NotFree", "AtRest"}
     assert variants - named - plain <= {"CoordinateTaken"}
+    source = (root / "src" / "error" / "structure.rs").read_text()
+    source = source[source.index("pub enum NotSliding {") :]
+    reasons = set(re.findall(r"^    ([A-Z]\w+) \{", source, re.M))
+    assert len(reasons) > 8 and reasons <= set(re.findall(r"NotSliding::(\w+)", package))
+
+
+def test_messages_name_what_python_has() -> None:
+    """Each name of the crate in its messages has its name here."""
+    from pathlib import Path
+    import re
+
+    root = Path(__file__).resolve().parents[2]
+    if not (root / "src" / "error.rs").exists():
+        pytest.skip("the source of the crate is in a clone only")
+    sources = ["error.rs", "error/structure.rs", "structure/contact.rs", "friction/fault.rs"]
+    lines = "\n".join((root / "src" / source).read_text() for source in sources).splitlines()
+    said = "\n".join(line for line in lines if not line.lstrip().startswith("//"))
+    names = {name for name in re.findall(r"`([^`\n]*)`", said) if "::" in name or "with_" in name}
+    names |= {"flow", "simulate_until", "steady_sliding_from", "kinetic_on"}
+    names -= {"Contact::freewheel", "with_drag"}  # of an argument that Python has not
+    package = (root / "python" / "src" / "error.rs").read_text()
+    assert len(names) > 10 and [name for name in names if f"`{name}`" not in package] == []
+    with pytest.raises(ss.StickSlipError, match="with `max_steps=`, or shorten the run") as steps:
+        ss.MassOnBelt(LAW, 0.2).simulate((0.0, 0.0), 100.0, max_steps=5)
+    assert "flow" not in str(steps.value)
+    [kink] = ss.Law(lambda s: 0.3 + 0.1 * np.abs(s - 1), static=0.5).check(0.0, 3.0)
+    assert "a list of functions" in kink
+
+
+def test_arguments_of_other_kinds_say_what_is_expected() -> None:
+    for call in (
+        lambda: ss.MassOnBelt(lambda s: 0.3, 0.2),  # type: ignore[arg-type]
+        lambda: ss.MassOnBelt(ss.Dahl(0.3, 1.0), 0.2),  # type: ignore[arg-type]
+        lambda: ss.Contact(0, 0.3, 1.0),  # type: ignore[arg-type]
+        lambda: ss.Directional(LAW, 0.3),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(TypeError, match=r"Law\(function, static=0.4\)"):
+            call()
+    block = ss.Structure([1.0])
+    with pytest.raises(TypeError, match="vibration_ranges"):
+        ss.silencing_damping(block)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="expected a Structure"):
+        ss.classify(3.0, (0.0, 0.0))  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="Drive.function"):
+        block.with_force(0, lambda t: t)  # type: ignore[arg-type]
 
 
 def test_drives_add_up() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,20 @@ import pytest
 pytest.importorskip("mypy")
 pytest.importorskip("matplotlib")
 TESTS = Path(__file__).resolve().parent
+WRONG = [
+    "ss.MassOnBelt(0.3, 0.2)",
+    "ss.MassOnBelt(ss.Coulomb(0.4, 0.3), 0.2, 0.05)",
+    "ss.MassOnBelt(ss.Coulomb(0.4, 0.3), 0.2).simulate(0.0, 1.0)",
+    "ss.limit_cycles(ss.Structure([1.0]))",
+    "ss.follow(3, 1.0, None, 0.0, 1.0)",
+    "ss.Contact('0', ss.Coulomb(0.4, 0.3), 1.0)",
+    "ss.Coulomb(0.4, 0.3).missing",
+    "ss.Dahl(0.4, 1.0).kinetic(1.0)",
+    "ss.MassOnBelt(ss.Freewheel(), 0.2)",
+    "ss.RateState(0.4, 0.1, 0.2, 0.1, 0.1)",
+    "ss.Stop.above(0, 1.0)",
+    "ss.Structure([1.0]).with_stop(ss.FirstOrder())",
+]
 
 
 def mypy(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -19,29 +34,32 @@ def mypy(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_users_program_passes_strictly(tmp_path: Path) -> None:
-    run = mypy("mypy", "--strict", str(TESTS / "user.py"), cwd=tmp_path)
-    assert run.returncode == 0, run.stdout
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """What mypy says of each program, in one run."""
+    folder = tmp_path_factory.mktemp("programs")
+    shutil.copy(TESTS / "user.py", folder)
+    for i, wrong in enumerate(WRONG):
+        (folder / f"wrong_{i}.py").write_text(f"import stick_slip as ss\n\n{wrong}\n")
+    names = sorted(path.name for path in folder.glob("*.py"))
+    run = mypy("mypy", "--strict", *names, cwd=folder)
+    assert run.returncode == 1, run.stdout + run.stderr
+    found: dict[str, list[str]] = {name: [] for name in names}
+    for line in run.stdout.splitlines():
+        name = line.split(":")[0]
+        if ": error: " in line:
+            found[name].append(line)
+    return found
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        "ss.MassOnBelt(0.3, 0.2)",
-        "ss.MassOnBelt(ss.Coulomb(0.4, 0.3), 0.2, 0.05)",
-        "ss.MassOnBelt(ss.Coulomb(0.4, 0.3), 0.2).simulate(0.0, 1.0)",
-        "ss.limit_cycles(ss.Structure([1.0]))",
-        "ss.follow(3, 1.0, None, 0.0, 1.0)",
-        "ss.Contact('0', ss.Coulomb(0.4, 0.3), 1.0)",
-        "ss.Coulomb(0.4, 0.3).missing",
-        "ss.Dahl(0.4, 1.0).kinetic(1.0)",
-    ],
-)
-def test_what_is_wrong_is_found(wrong: str, tmp_path: Path) -> None:
-    program = tmp_path / "wrong.py"
-    program.write_text(f"import stick_slip as ss\n\n{wrong}\n")
-    run = mypy("mypy", "--strict", str(program), cwd=tmp_path)
-    assert run.returncode == 1, run.stdout
+def test_a_users_program_passes_strictly(checked: dict[str, list[str]]) -> None:
+    assert checked["user.py"] == []
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_is_wrong_is_found(wrong: str, checked: dict[str, list[str]]) -> None:
+    errors = checked[f"wrong_{WRONG.index(wrong)}.py"]
+    assert errors and all(":3: " in error for error in errors)
 
 
 def test_the_stubs_are_those_of_the_extension(tmp_path: Path) -> None:

@@ -34,6 +34,20 @@ ends: list[str] = [end.kind for end in branch.ends]
 low: float = ss.vibration_ranges(family, 0.5, 1.5)[0].low
 found: float = ss.hopf_velocities(ss.MassOnBelt(law, 0.2), 0.1, 1.0)[0]
 drive: ss.Drive = 1.0 + ss.Drive.harmonic(0.1, 2.0)
+creeping = ss.RateState(f0=0.4, a=0.1, b=(0.2, 0.1), d_c=(0.06, 0.3), v0=0.05)
+steady: Array = creeping.steady([0.1, 0.2])
+laws: list[ss.Law | ss.ContactLaw] = [law, creeping, ss.Capstan(0.3, 0.2, 6.0), ss.Freewheel(law)]
+load = ss.ForceLaw(lambda x, v: v**2 / 2)
+held = (
+    ss.Structure([1.0])
+    .with_contacts([ss.Contact(0, it, 1.0, load_laws=[(0, load)]) for it in laws])
+    .with_stops([ss.Stop.above(0, 1.0, stiffness=10.0), ss.Stop({0: 1.0}, 1.0, stiffness=10.0)])
+    .with_first_order(ss.FirstOrder(time_constant=0.5, velocities={0: 1.0}, forces={0: -1.0}))
+)
+state: ss.State = first.state
+again: StateLike = state
+further: StateLike = ([0.0], [0.0], [0.0], {0: 1e-12})
+forces: Array = held.simulate(further, 1.0).samples(0.1).stop_forces
 try:
     ss.Coulomb(0.1, 0.2)
 except ss.ParameterError as error:

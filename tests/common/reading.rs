@@ -103,6 +103,7 @@ pub fn structure(system: &Value, parameter: f64) -> Structure {
                     let law = Freewheel::new(Coulomb::new(drag, drag)?)?;
                     Contact::along(direction, law, load)
                 }
+                Some("rate_state") => Contact::along(direction, rate_state(contact), load),
                 _ => Contact::along(direction, law(contact, parameter), load),
             }
         },

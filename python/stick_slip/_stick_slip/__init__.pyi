@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING, Any, final, overload
 import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
+from typing_extensions import disjoint_base
 
+from stick_slip._state import State
 from stick_slip._stick_slip import analysis as analysis
 from stick_slip.typing import (
     Array, Belt, ComplexArray, DirectionLike, StateLike, System,
@@ -22,6 +24,7 @@ __all__ = [
     "Branch",
     "BranchEnd",
     "BranchPoint",
+    "Capstan",
     "Carried",
     "Contact",
     "ContactLaw",
@@ -31,14 +34,17 @@ __all__ = [
     "Dahl",
     "Diagram",
     "DiagramPoint",
+    "Directional",
     "Drive",
     "Dwell",
     "EnergyBudget",
     "Equilibrium",
     "EventSensitivity",
     "Exponential",
+    "FirstOrder",
     "ForceElement",
     "ForceLaw",
+    "Freewheel",
     "HopfLocus",
     "HopfPoint",
     "Iwan4",
@@ -59,6 +65,7 @@ __all__ = [
     "Polynomial",
     "PolynomialSpring",
     "Progress",
+    "RateState",
     "Rational",
     "Samples",
     "Sensitivities",
@@ -66,6 +73,7 @@ __all__ = [
     "SpecialPoint",
     "StabilityChange",
     "SteadySliding",
+    "Stop",
     "Stribeck",
     "Structure",
     "Sweep",
@@ -136,9 +144,44 @@ class Law:
     def check(self, low: float, high: float) -> list[str]: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
-@final
+@disjoint_base
 class ContactLaw:
     def static_coefficient(self, rest: float) -> float | None: ...
+
+@final
+class RateState(ContactLaw):
+    def __new__(
+        cls,
+        *,
+        f0: float,
+        a: float,
+        b: float | tuple[float, float],
+        d_c: float | tuple[float, float],
+        v0: float,
+        evolution: str = "aging",
+        least_speed: float | None = None,
+    ) -> RateState: ...
+    @overload
+    def steady(self, speed: float) -> float: ...
+    @overload
+    def steady(self, speed: ArrayLike) -> Array: ...
+    @overload
+    def memory_at(self, speed: float) -> float: ...
+    @overload
+    def memory_at(self, speed: ArrayLike) -> Array: ...
+    def critical_stiffness(
+        self,
+        load: float,
+        speed: float,
+        mass: float = 0.0,
+        damping: float = 0.0,
+    ) -> float | None: ...
+    def hopf_frequency(
+        self,
+        load: float,
+        speed: float,
+        damping: float = 0.0,
+    ) -> float | None: ...
 
 @final
 class Iwan4:
@@ -198,6 +241,13 @@ def Tabulated(
     static_coefficient: float | None = None,
     piecewise_linear: bool = False,
 ) -> Law: ...
+def Directional(forward: Law, backward: Law) -> ContactLaw: ...
+def Capstan(
+    static_coefficient: float,
+    kinetic_coefficient: float,
+    wrap: float,
+) -> ContactLaw: ...
+def Freewheel(drag: Law | None = None) -> ContactLaw: ...
 def Dwell(
     law: Law,
     *,
@@ -369,6 +419,8 @@ class Samples:
     def loads(self) -> Array: ...
     @property
     def element_forces(self) -> Array: ...
+    @property
+    def stop_forces(self) -> Array: ...
     def __len__(self) -> int: ...
 
 @final
@@ -387,6 +439,8 @@ class EnergyBudget:
     def normal_work(self) -> Array: ...
     @property
     def element_work(self) -> Array: ...
+    @property
+    def stop_loss(self) -> Array: ...
     @property
     def damper_loss(self) -> float: ...
     @property
@@ -410,10 +464,13 @@ class Motion:
     def events(self) -> npt.NDArray[np.void]: ...
     @property
     def last(self) -> Any: ...
-    @property
-    def last_memory(self) -> Array: ...
+    def state_at(self, time: float | None = None) -> Any: ...
     def sample(self, times: ArrayLike) -> tuple[Any, Any]: ...
     def sample_memory(self, times: ArrayLike) -> Array: ...
+    @overload
+    def sliding_velocity(self, times: float, contact: int = 0) -> float: ...
+    @overload
+    def sliding_velocity(self, times: ArrayLike, contact: int = 0) -> Array: ...
     def mode_at(self, time: float, contact: int = 0) -> str | None: ...
     def modes(self, times: ArrayLike, contact: int = 0) -> npt.NDArray[np.int8]: ...
     def samples(self, interval: float) -> Samples: ...
@@ -439,6 +496,8 @@ class Motion:
 class SteadySliding:
     @property
     def displacements(self) -> Array: ...
+    @property
+    def first_order(self) -> Array: ...
     @property
     def eigenvalues(self) -> ComplexArray: ...
     @property
@@ -489,6 +548,7 @@ class Contact:
         load_gradient: DirectionLike | None = None,
         tangential_stiffness: float | None = None,
         normal_spring: tuple[DirectionLike, float] | None = None,
+        load_laws: Sequence[tuple[DirectionLike, ForceLaw]] = ...,
     ) -> Contact: ...
     @staticmethod
     def between(
@@ -501,13 +561,27 @@ class Contact:
         load_gradient: DirectionLike | None = None,
         tangential_stiffness: float | None = None,
         normal_spring: tuple[DirectionLike, float] | None = None,
+        load_laws: Sequence[tuple[DirectionLike, ForceLaw]] = ...,
+    ) -> Contact: ...
+    @staticmethod
+    def freewheel(
+        i: int,
+        j: int,
+        *,
+        drag: Law | None = None,
+        load: Drive | float = 1.0,
     ) -> Contact: ...
     def in_parallel(self, elements: ArrayLike) -> list[Contact]: ...
     @property
     def direction(self) -> dict[int, float]: ...
     @property
     def tangential_stiffness(self) -> float | None: ...
-    def load_at(self, time: float, displacements: ArrayLike) -> float: ...
+    def load_at(
+        self,
+        time: float,
+        displacements: ArrayLike,
+        velocities: ArrayLike | None = None,
+    ) -> float: ...
 
 @final
 class ForceLaw:
@@ -530,6 +604,63 @@ class ForceElement:
     ) -> ForceElement: ...
 
 @final
+class Stop:
+    def __new__(
+        cls,
+        direction: DirectionLike,
+        gap: float,
+        *,
+        stiffness: float,
+        damping: float = 0.0,
+        adhesive: bool = False,
+    ) -> Stop: ...
+    @staticmethod
+    def above(
+        i: int,
+        position: float,
+        *,
+        stiffness: float,
+        damping: float = 0.0,
+        adhesive: bool = False,
+    ) -> Stop: ...
+    @staticmethod
+    def below(
+        i: int,
+        position: float,
+        *,
+        stiffness: float,
+        damping: float = 0.0,
+        adhesive: bool = False,
+    ) -> Stop: ...
+    @staticmethod
+    def between(
+        i: int,
+        j: int,
+        gap: float,
+        *,
+        stiffness: float,
+        damping: float = 0.0,
+        adhesive: bool = False,
+    ) -> Stop: ...
+
+@final
+class FirstOrder:
+    def __new__(
+        cls,
+        *,
+        time_constant: float | None = None,
+        displacements: DirectionLike | None = None,
+        velocities: DirectionLike | None = None,
+        states: DirectionLike | None = None,
+        drive: Drive | float | None = None,
+        laws: Sequence[tuple[DirectionLike, ForceLaw]] = ...,
+        state_laws: Sequence[tuple[int, ForceLaw]] = ...,
+        forces: DirectionLike | None = None,
+    ) -> FirstOrder: ...
+    @property
+    def time_constant(self) -> float | None: ...
+
+@final
 class Structure:
     def __new__(
         cls,
@@ -549,6 +680,10 @@ class Structure:
     def with_contact(self, contact: Contact) -> Structure: ...
     def with_contacts(self, contacts: Sequence[Contact]) -> Structure: ...
     def with_element(self, element: ForceElement) -> Structure: ...
+    def with_stop(self, stop: Stop) -> Structure: ...
+    def with_stops(self, stops: Sequence[Stop]) -> Structure: ...
+    def with_first_order(self, state: FirstOrder) -> Structure: ...
+    def with_first_orders(self, states: Sequence[FirstOrder]) -> Structure: ...
     def __len__(self) -> int: ...
     @property
     def mass_matrix(self) -> Array: ...
@@ -562,6 +697,10 @@ class Structure:
     def contacts(self) -> int: ...
     @property
     def elements(self) -> int: ...
+    @property
+    def stops(self) -> int: ...
+    @property
+    def first_orders(self) -> int: ...
     def simulate(
         self,
         start: StateLike,
@@ -830,7 +969,9 @@ class EventSensitivity:
     @property
     def time(self) -> float: ...
     @property
-    def contact(self) -> int: ...
+    def contact(self) -> int | None: ...
+    @property
+    def stop(self) -> int | None: ...
     @property
     def kind(self) -> str: ...
     @property
@@ -925,7 +1066,7 @@ class Orbit:
     @property
     def hertz(self) -> float: ...
     @property
-    def state(self) -> tuple[Array, Array, Array]: ...
+    def state(self) -> State: ...
     @property
     def motion(self) -> Motion: ...
     @property
@@ -1007,7 +1148,7 @@ class VibrationRanges:
 class Sensitivities:
     @property
     def times(self) -> tuple[float, float]: ...
-    def state_at(self, time: float) -> tuple[Array, Array, Array] | None: ...
+    def state_at(self, time: float) -> State | None: ...
     def at(self, time: float) -> Array | None: ...
     @property
     def events(self) -> list[EventSensitivity]: ...

@@ -1,9 +1,9 @@
 from collections.abc import Callable, Sequence
-from typing import final
+from typing import final, overload
 
 from numpy.typing import ArrayLike
 
-from stick_slip._stick_slip import ContactLaw, Law, MassOnBelt
+from stick_slip._stick_slip import ContactLaw, Law, MassOnBelt, RateState
 from stick_slip.typing import Array, ComplexArray, StateLike
 
 __all__ = [
@@ -37,7 +37,9 @@ __all__ = [
     "duffing_response",
     "exponential_hopf_velocities",
     "first_harmonic",
+    "first_integral",
     "free_vibration",
+    "healing",
     "largest_stick_slip_velocity",
     "loop_area",
     "masing",
@@ -51,8 +53,11 @@ __all__ = [
     "silencing_damping_everywhere",
     "stabilizing_damping",
     "steady_bristles",
+    "stress_drop",
     "symmetric_response",
     "tangential_slip",
+    "time_to_instability",
+    "velocity_step",
 ]
 
 @final
@@ -435,3 +440,30 @@ def mode_coupling_flutter(
     normal_stiffness: float,
     damping: tuple[float, float] = ...,
 ) -> Flutter | None: ...
+@overload
+def velocity_step(law: RateState, before: float, after: float, slip: float) -> float: ...
+@overload
+def velocity_step(law: RateState, before: float, after: float, slip: ArrayLike) -> Array: ...
+@overload
+def healing(law: RateState, hold: float) -> float: ...
+@overload
+def healing(law: RateState, hold: ArrayLike) -> Array: ...
+def stress_drop(
+    law: RateState,
+    load: float,
+    plate_speed: float,
+    coseismic_speed: float,
+) -> float: ...
+def time_to_instability(
+    law: RateState,
+    load: float,
+    stiffness: float,
+    speed: float,
+    load_rate: float = 0.0,
+) -> float | None: ...
+def first_integral(
+    law: RateState,
+    plate_speed: float,
+    speed: float,
+    memory: float,
+) -> float | None: ...

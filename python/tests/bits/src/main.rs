@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 use stick_slip::structure::State;
-use stick_slip::{EventKind, MassOnBelt, Polynomial, Structure, Trajectory, limit_cycle};
+use stick_slip::{Element, EventKind, MassOnBelt, Polynomial, Structure, Trajectory, limit_cycle};
 use stick_slip_tests_common::reading::{cases, numbers, remembering, structure};
 use stick_slip_tests_common::{list, number, system_of};
 
@@ -68,10 +68,13 @@ fn cycles() {
 fn print(motion: &Trajectory<State>, case: &Value) {
     println!("case {}", case["id"]);
     for event in motion.events() {
+        let number = match event.element {
+            Element::Stop(stop) => stop,
+            _ => event.contact().unwrap(),
+        };
         println!(
-            "event {} {} {}",
+            "event {} {number} {}",
             name(event.kind),
-            event.contact().unwrap(),
             bits(&[event.time])
         );
     }
@@ -84,9 +87,13 @@ fn print(motion: &Trajectory<State>, case: &Value) {
 
 fn structures(file: &str, system: impl Fn(&Value) -> Structure) {
     for case in cases(file) {
+        // Rigid impacts are not available.
+        if case["system"].get("stops").is_some() {
+            continue;
+        }
         let start = &case["start"];
         let mut state = State::new(&numbers(&start["q"]), &numbers(&start["v"]));
-        for memory in ["T", "z"] {
+        for memory in ["T", "z", "phi"] {
             if let Some(memory) = start.get(memory) {
                 state = state.with_memory(&numbers(memory));
             }
@@ -156,6 +163,18 @@ fn main() {
     structures(
         include_str!("../../../../tests/data/dwell_trajectories.json"),
         remembering,
+    );
+    structures(
+        include_str!("../../../../tests/data/limits_trajectories.json"),
+        plain,
+    );
+    structures(
+        include_str!("../../../../tests/data/force_trajectories.json"),
+        plain,
+    );
+    structures(
+        include_str!("../../../../tests/data/rate_state_trajectories.json"),
+        plain,
     );
     time_of_a_sample();
 }

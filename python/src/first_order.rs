@@ -1,0 +1,137 @@
+//! `FirstOrder`: states without a mass.
+
+use pyo3::prelude::*;
+use stick_slip::FirstOrder;
+
+use crate::convert::{Direction, Index, direction_text, float};
+use crate::drive::DriveArgument;
+use crate::error::OrRaise;
+use crate::force::{PyForceLaw, with_force};
+
+/// A first-order state z of a `Structure`: the integral of a controller, the current of a motor,
+/// the pressure of an actuator, the output of a filter, the force of a Maxwell damper.
+///
+/// integrator: z' = u; with a time constant T a lag (low-pass filter): T z' + z = u;
+///
+/// u = sum of a_j q_j + c_j v_j + e_k z_k + w(t) + F(x, y);   force on coordinate i: b_i z.
+///
+/// z has any unit; u has the unit of z for a lag, and that of z per time for an integrator. States
+/// are numbered from 0 in the order in which they are added. In starts and in
+/// `Motion.sample_memory` they follow the memory variables of the contacts.
+///
+/// Args:
+///     time_constant: T of a lag, in units of time, > 0; None for an integrator.
+///     displacements: a dict {coordinate j: a_j} of gains.
+///     velocities: a dict {coordinate j: c_j} of gains.
+///     states: a dict {number k: e_k} of gains of first-order states, its own included.
+///     drive: w(t), such as a reference value or a supply voltage: a number or a Drive.
+///     laws: pairs (direction, ForceLaw) that add F(a.q, a.v): saturation, an orifice.
+///     state_laws: pairs (number k, ForceLaw) that add F(z_k, 0).
+///     forces: a dict {coordinate i: b_i} of the forces that z exerts, force per unit of z.
+///
+/// Position control: spring, damper and the integral of the displacement.
+///
+/// >>> from stick_slip import FirstOrder, Structure
+/// >>> integral = FirstOrder(displacements={0: 1.0}, forces={0: -6.0})
+/// >>> axis = (Structure([1.0]).with_ground_spring(0, 11.0).with_ground_damper(0, 6.0)
+/// ...     .with_first_order(integral).with_force(0, 9.0))
+/// >>> still = axis.steady_sliding()    # the integral takes up the whole force
+/// >>> still.first_order
+/// array([1.5])
+/// >>> still.eigenvalues.real.round(12)
+/// array([-1., -2., -3.])
+///
+/// A Maxwell damper, a spring of 5 in series with a dashpot of 2: its force z follows z'/5 + z/2 =
+/// v.
+///
+/// >>> FirstOrder(time_constant=2.0 / 5.0, velocities={0: 2.0}, forces={0: -1.0})
+/// FirstOrder(time_constant=0.4, velocities={0: 2.0}, forces={0: -1.0})
+#[pyclass(frozen, name = "FirstOrder", module = "stick_slip")]
+pub struct PyFirstOrder {
+    pub state: FirstOrder,
+    text: String,
+}
+
+type Laws<'py, P> = Vec<(P, Bound<'py, PyForceLaw>)>;
+
+#[pymethods]
+impl PyFirstOrder {
+    #[new]
+    #[pyo3(signature = (*, time_constant = None, displacements = None, velocities = None,
+        states = None, drive = None, laws = Vec::new(), state_laws = Vec::new(), forces = None))]
+    fn new(
+        time_constant: Option<f64>,
+        displacements: Option<Direction>,
+        velocities: Option<Direction>,
+        states: Option<Direction>,
+        drive: Option<DriveArgument<'_>>,
+        laws: Laws<'_, Direction>,
+        state_laws: Laws<'_, Index>,
+        forces: Option<Direction>,
+    ) -> PyResult<Self> {
+        let mut texts = Vec::new();
+        let mut state = match time_constant {
+            None => FirstOrder::integrator(),
+            Some(time) => {
+                texts.push(format!("time_constant={}", float(time)));
+                FirstOrder::lag(time).or_raise()?
+            }
+        };
+        let gains = [
+            (
+                "displacements",
+                displacements,
+                FirstOrder::with_displacement as fn(_, _, _) -> _,
+            ),
+            ("velocities", velocities, FirstOrder::with_velocity),
+            ("states", states, FirstOrder::with_state),
+            ("forces", forces, FirstOrder::with_force),
+        ];
+        for (name, gains, with) in gains {
+            if let Some(Direction(gains)) = gains {
+                texts.push(format!("{name}={}", direction_text(&gains)));
+                for (number, gain) in gains {
+                    state = with(state, number, gain).or_raise()?;
+                }
+            }
+        }
+        if let Some(drive) = drive {
+            texts.push(format!("drive={}", drive.text()));
+            state = state.with_drive(drive.drive()).or_raise()?;
+        }
+        let mut shown = Vec::new();
+        for (Direction(direction), law) in laws {
+            let law = law.get();
+            shown.push(format!("({}, {})", direction_text(&direction), law.text()));
+            let with = with_force!(law.force.clone(), law => state.with_law(&direction, law));
+            state = with.or_raise()?;
+        }
+        if !shown.is_empty() {
+            texts.push(format!("laws=[{}]", shown.join(", ")));
+        }
+        let mut shown = Vec::new();
+        for (Index(number), law) in state_laws {
+            let law = law.get();
+            shown.push(format!("({number}, {})", law.text()));
+            let with = with_force!(law.force.clone(), law => state.with_law_of_state(number, law));
+            state = with.or_raise()?;
+        }
+        if !shown.is_empty() {
+            texts.push(format!("state_laws=[{}]", shown.join(", ")));
+        }
+        Ok(Self {
+            state,
+            text: format!("FirstOrder({})", texts.join(", ")),
+        })
+    }
+
+    /// The time constant of a lag, in units of time; None for an integrator.
+    #[getter]
+    fn time_constant(&self) -> Option<f64> {
+        self.state.time_constant()
+    }
+
+    fn __repr__(&self) -> &str {
+        &self.text
+    }
+}
