@@ -7,7 +7,7 @@ use crate::contact_law::{ContactLawArgument, freewheel};
 use crate::convert::{Direction, Index, Numbers, Points, direction_text, float};
 use crate::drive::DriveArgument;
 use crate::error::OrRaise;
-use crate::force::{PyForceLaw, with_force};
+use crate::force::{ForceLawArgument, with_force};
 use crate::law::LawArgument;
 
 /// A friction contact of a structure: relative velocity r = b v - w, friction force N mu(r).
@@ -55,7 +55,7 @@ struct Options<'py> {
     load_gradient: Option<Direction>,
     tangential_stiffness: Option<f64>,
     normal_spring: Option<(Direction, f64)>,
-    load_laws: Vec<(Direction, Bound<'py, PyForceLaw>)>,
+    load_laws: Vec<(Direction, ForceLawArgument<'py>)>,
 }
 
 impl PyContact {
@@ -97,7 +97,7 @@ impl PyContact {
         }
         let mut laws = Vec::new();
         for (Direction(direction), law) in options.load_laws {
-            let law = law.get();
+            let law = law.0.get();
             laws.push(format!("({}, {})", direction_text(&direction), law.text()));
             let with =
                 with_force!(law.force.clone(), law => contact.with_load_law(&direction, law));
@@ -126,7 +126,7 @@ impl PyContact {
         load_gradient: Option<Direction>,
         tangential_stiffness: Option<f64>,
         normal_spring: Option<(Direction, f64)>,
-        load_laws: Vec<(Direction, Bound<'_, PyForceLaw>)>,
+        load_laws: Vec<(Direction, ForceLawArgument<'_>)>,
     ) -> PyResult<Self> {
         let options = Options {
             belt_velocity,
@@ -151,7 +151,7 @@ impl PyContact {
         load_gradient: Option<Direction>,
         tangential_stiffness: Option<f64>,
         normal_spring: Option<(Direction, f64)>,
-        load_laws: Vec<(Direction, Bound<'_, PyForceLaw>)>,
+        load_laws: Vec<(Direction, ForceLawArgument<'_>)>,
     ) -> PyResult<Self> {
         let options = Options {
             belt_velocity,

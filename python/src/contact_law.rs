@@ -7,7 +7,7 @@ use stick_slip::{
     LuGre, RateState2,
 };
 
-use crate::convert::{elementwise, float};
+use crate::convert::{Numbers, elementwise, float};
 use crate::error::OrRaise;
 use crate::law::{Kind, LawArgument, PyLaw, with_law};
 use crate::traced::Traced;
@@ -341,24 +341,11 @@ pub fn lugre(
     Ok(PyContactLaw { law, text })
 }
 
-/// Numbers of one state variable or of two.
-#[derive(FromPyObject)]
-enum OneOrTwo {
-    One(f64),
-    Two(f64, f64),
-}
-
-impl OneOrTwo {
-    fn first(&self) -> f64 {
-        let (Self::One(first) | Self::Two(first, _)) = self;
-        *first
-    }
-
-    fn text(&self) -> String {
-        match self {
-            Self::One(number) => float(*number),
-            Self::Two(first, second) => format!("({}, {})", float(*first), float(*second)),
-        }
+fn number_or_pair(numbers: &Numbers) -> String {
+    let texts: Vec<String> = numbers.0.iter().copied().map(float).collect();
+    match &texts[..] {
+        [number] => number.clone(),
+        _ => format!("({})", texts.join(", ")),
     }
 }
 
@@ -404,8 +391,8 @@ impl PyRateState {
     fn new(
         f0: f64,
         a: f64,
-        b: OneOrTwo,
-        d_c: OneOrTwo,
+        b: Numbers,
+        d_c: Numbers,
         v0: f64,
         evolution: &str,
         least_speed: Option<f64>,
@@ -419,15 +406,18 @@ impl PyRateState {
             "RateState(f0={}, a={}, b={}, d_c={}, v0={}, evolution='{evolution}'",
             float(f0),
             float(a),
-            b.text(),
-            d_c.text(),
+            number_or_pair(&b),
+            number_or_pair(&d_c),
             float(v0)
         );
-        let one = new(f0, a, b.first(), d_c.first(), v0).or_raise()?;
-        let mut law = match (b, d_c) {
-            (OneOrTwo::One(_), OneOrTwo::One(_)) => AnyRateState::One(one),
-            (OneOrTwo::Two(_, b2), OneOrTwo::Two(_, d_c2)) => {
-                AnyRateState::Two(one.with_second_state(b2, d_c2).or_raise()?)
+        let mut law = match (&b.0[..], &d_c.0[..]) {
+            (&[b], &[d_c]) => AnyRateState::One(new(f0, a, b, d_c, v0).or_raise()?),
+            (&[b, b2], &[d_c, d_c2]) => {
+                let one = new(f0, a, b, d_c, v0);
+                AnyRateState::Two(
+                    one.and_then(|law| law.with_second_state(b2, d_c2))
+                        .or_raise()?,
+                )
             }
             _ => {
                 return Err(PyValueError::new_err(

@@ -3,7 +3,7 @@
 use numpy::ndarray::{Array2, ArrayView2};
 use numpy::{
     AllowTypeChange, Complex64, IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayLike1,
-    PyArrayLike2,
+    PyArrayLike2, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -28,7 +28,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Numbers {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(number) = object.extract::<f64>() {
+        if let Some(number) = number(&object) {
             return Ok(Self(vec![number]));
         }
         let array = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>();
@@ -255,13 +255,22 @@ pub fn shown(object: &Borrowed<'_, '_, PyAny>) -> String {
     format!("{text} ({kind})")
 }
 
+/// The number that an object is. An array of one number is an array.
+pub fn number(object: &Bound<'_, PyAny>) -> Option<f64> {
+    let array = object.cast::<PyUntypedArray>();
+    if array.is_ok_and(|array| array.ndim() > 0) {
+        return None;
+    }
+    object.extract().ok()
+}
+
 /// Evaluates a function of one number for a number or for an array of any shape.
 pub fn elementwise<'py>(
     argument: &Bound<'py, PyAny>,
     function: impl Fn(f64) -> f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = argument.py();
-    if let Ok(number) = argument.extract::<f64>() {
+    if let Some(number) = number(argument) {
         return Ok(function(number).into_pyobject(py)?.into_any());
     }
     let array = argument.extract::<numpy::PyArrayLikeDyn<'_, f64, AllowTypeChange>>()?;

@@ -6,7 +6,7 @@ use stick_slip::FirstOrder;
 use crate::convert::{Direction, Index, direction_text, float};
 use crate::drive::DriveArgument;
 use crate::error::OrRaise;
-use crate::force::{PyForceLaw, with_force};
+use crate::force::{ForceLawArgument, with_force};
 
 /// A first-order state z of a `Structure`: the integral of a controller, the current of a motor,
 /// the pressure of an actuator, the output of a filter, the force of a Maxwell damper.
@@ -52,7 +52,7 @@ pub struct PyFirstOrder {
     text: String,
 }
 
-type Laws<'py, P> = Vec<(P, Bound<'py, PyForceLaw>)>;
+type Laws<'py, P> = Vec<(P, ForceLawArgument<'py>)>;
 
 #[pymethods]
 impl PyFirstOrder {
@@ -79,21 +79,26 @@ impl PyFirstOrder {
         };
         let gains = [
             (
-                "displacements",
                 displacements,
                 FirstOrder::with_displacement as fn(_, _, _) -> _,
             ),
-            ("velocities", velocities, FirstOrder::with_velocity),
-            ("states", states, FirstOrder::with_state),
-            ("forces", forces, FirstOrder::with_force),
+            (velocities, FirstOrder::with_velocity),
+            (states, FirstOrder::with_state),
+            (forces, FirstOrder::with_force),
         ];
-        for (name, gains, with) in gains {
-            if let Some(Direction(gains)) = gains {
-                texts.push(format!("{name}={}", direction_text(&gains)));
-                for (number, gain) in gains {
-                    state = with(state, number, gain).or_raise()?;
-                }
+        for (gains, with) in gains {
+            for (number, gain) in gains.into_iter().flat_map(|Direction(gains)| gains) {
+                state = with(state, number, gain).or_raise()?;
             }
+        }
+        let gains = [
+            ("displacements", state.displacements()),
+            ("velocities", state.velocities()),
+            ("states", state.states()),
+            ("forces", state.forces()),
+        ];
+        for (name, gains) in gains.into_iter().filter(|(_, gains)| !gains.is_empty()) {
+            texts.push(format!("{name}={}", direction_text(gains)));
         }
         if let Some(drive) = drive {
             texts.push(format!("drive={}", drive.text()));
@@ -101,7 +106,7 @@ impl PyFirstOrder {
         }
         let mut shown = Vec::new();
         for (Direction(direction), law) in laws {
-            let law = law.get();
+            let law = law.0.get();
             shown.push(format!("({}, {})", direction_text(&direction), law.text()));
             let with = with_force!(law.force.clone(), law => state.with_law(&direction, law));
             state = with.or_raise()?;
@@ -111,7 +116,7 @@ impl PyFirstOrder {
         }
         let mut shown = Vec::new();
         for (Index(number), law) in state_laws {
-            let law = law.get();
+            let law = law.0.get();
             shown.push(format!("({number}, {})", law.text()));
             let with = with_force!(law.force.clone(), law => state.with_law_of_state(number, law));
             state = with.or_raise()?;

@@ -1,9 +1,10 @@
 //! Laws of force, and elements that place them in a structure.
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use stick_slip::{Error, ForceElement, ForceLaw};
 
-use crate::convert::{Direction, Numbers, Points, direction_text, float};
+use crate::convert::{Direction, Numbers, Points, direction_text, float, shown};
 use crate::drive::DriveArgument;
 use crate::error::OrRaise;
 use crate::traced::{TracedForce, pieces_of};
@@ -92,6 +93,24 @@ impl PyForceLaw {
 
     fn __repr__(&self) -> &str {
         &self.text
+    }
+}
+
+/// A law of force as an argument.
+pub struct ForceLawArgument<'py>(pub Bound<'py, PyForceLaw>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for ForceLawArgument<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let law = object.cast::<PyForceLaw>();
+        law.map(|law| Self(law.to_owned())).map_err(|_| {
+            PyTypeError::new_err(format!(
+                "expected a law of force, not {}: PolynomialSpring([1.0]) and the like, or a \
+                 function of your own as ForceLaw(function)",
+                shown(&object)
+            ))
+        })
     }
 }
 
@@ -220,9 +239,10 @@ impl PyForceElement {
     #[pyo3(signature = (direction, law, *, factor = None))]
     fn new(
         direction: Direction,
-        law: &PyForceLaw,
+        law: ForceLawArgument<'_>,
         factor: Option<DriveArgument<'_>>,
     ) -> PyResult<Self> {
+        let law = law.0.get();
         let element = with_force!(law.force.clone(), law => ForceElement::along(&direction.0, law));
         let mut element = element.or_raise()?;
         let mut text = format!("{}, {}", direction_text(&direction.0), law.text);

@@ -11,7 +11,7 @@ use pyo3::types::{PyBytes, PyIterator, PyList};
 use stick_slip::bifurcation::Criticality;
 use stick_slip::{Element, Ended, Event, EventKind, Mode, Structure, Trajectory, structure};
 
-use crate::convert::{Index, Numbers, Table, elementwise, short};
+use crate::convert::{Index, Numbers, Table, elementwise, number, short};
 use crate::error::{OrRaise, raised};
 use crate::record::record;
 use crate::state::Shown;
@@ -276,7 +276,7 @@ impl PyMotion {
     /// (0.125, 0.5)
     fn sample<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = times.py();
-        if let Ok(time) = times.extract::<f64>() {
+        if let Some(time) = number(times) {
             return self.sample_one(py, time);
         }
         let times = times_of(times)?;

@@ -129,8 +129,9 @@ def test_rate_and_state() -> None:
     assert list(motion.events["kind"])[:2] == ["crossing", "crossing"]
     with pytest.raises(ValueError, match="'aging' or 'slip'"):
         ss.RateState(f0=0.4, a=0.1, b=0.2, d_c=0.1, v0=0.1, evolution="ageing")
-    with pytest.raises(ValueError, match="two numbers or two pairs"):
-        ss.RateState(f0=0.4, a=0.1, b=(0.2, 0.1), d_c=0.1, v0=0.1)
+    for b in ((0.2, 0.1), (0.2, 0.1, 0.1), ()):
+        with pytest.raises(ValueError, match="two numbers or two pairs"):
+            ss.RateState(f0=0.4, a=0.1, b=b, d_c=0.1, v0=0.1)  # type: ignore[arg-type]
 
 
 def test_formulas_of_rate_and_state() -> None:
@@ -322,6 +323,8 @@ def test_first_order_states() -> None:
     limited = ss.FirstOrder(laws=[(0, ss.ForceLaw(lambda x, v: np.tanh(v)))])
     moved = ss.Structure([1.0]).with_first_order(limited).simulate(([0.0], [0.7]), 3.0)
     assert moved.state_at().memory[0] == pytest.approx(3 * math.tanh(0.7), abs=1e-14)
+    twice = ss.FirstOrder(displacements=[(1, 1.0), (0, 1.0), (1, 2.0)], forces={0: 0.0})
+    assert repr(twice) == "FirstOrder(displacements={0: 1.0, 1: 3.0})"
     assert repr(growth) == "FirstOrder(state_laws=[(0, PolynomialSpring([1.0, 0.0, -1.0]))])"
     assert repr(low_pass) == "FirstOrder(time_constant=0.5, drive=Drive.sine(1.0, 3.0))"
     with pytest.raises(ss.ParameterError) as caught:

@@ -66,8 +66,11 @@ def test_samples_modes_and_events() -> None:
     assert motion.mode_at(0.0) == "slip" and motion.mode_at(99.0) is None
     assert motion.mode_at(0.0, 1) is None
     assert motion.ended == "duration" and motion.end_time == motion.duration == 10.0
-    for times in (range(5), [0, 1], np.float32([0.5, 1.5])):
+    for times in (range(5), [0, 1], np.float32([0.5, 1.5]), np.array([0.5]), [0.5], np.zeros(0)):
         assert motion.sample(times)[0].shape == (len(times),)
+    for time in (1, np.float64(0.5), np.array(0.5)):
+        assert isinstance(motion.sample(time)[0], float)
+    assert isinstance(LAW.kinetic(np.array([0.5])), np.ndarray)
     with pytest.raises(TypeError, match="one-dimensional"):
         motion.sample(np.zeros((2, 2)))
     with pytest.raises(TypeError, match="Structure"):
@@ -218,6 +221,14 @@ def test_arguments_of_other_kinds_say_what_is_expected() -> None:
         ss.silencing_damping(block)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="expected a Structure"):
         ss.classify(3.0, (0.0, 0.0))  # type: ignore[arg-type]
+    force: Any = lambda x, v: x
+    for call in (
+        lambda: ss.ForceElement(0, force),
+        lambda: ss.FirstOrder(laws=[(0, force)]),
+        lambda: ss.Contact(0, LAW, 1.0, load_laws=[(0, force)]),
+    ):
+        with pytest.raises(TypeError, match=r"ForceLaw\(function\)"):
+            call()
     with pytest.raises(TypeError, match="Drive.function"):
         block.with_force(0, lambda t: t)  # type: ignore[arg-type]
 

@@ -63,7 +63,9 @@ def test_what_is_wrong_is_found(wrong: str, checked: dict[str, list[str]]) -> No
 
 
 def test_the_stubs_are_those_of_the_extension(tmp_path: Path) -> None:
+    # From NumPy 2.5 on the alias NDArray is no type at run time.
     allowed = tmp_path / "allowed"
-    allowed.write_text("")
-    run = mypy("mypy.stubtest", "stick_slip", "--allowlist", str(allowed), cwd=tmp_path)
+    allowed.write_text("stick_slip.typing.Array\nstick_slip.typing.ComplexArray\n")
+    arguments = ["--allowlist", str(allowed), "--ignore-unused-allowlist"]
+    run = mypy("mypy.stubtest", "stick_slip", *arguments, cwd=tmp_path)
     assert run.returncode == 0, run.stdout

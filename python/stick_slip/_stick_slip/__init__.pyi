@@ -1,3 +1,6 @@
+# Arrays of NumPy before 2.3 overlap with numbers.
+# mypy: disable-error-code="overload-overlap"
+
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, final, overload
 

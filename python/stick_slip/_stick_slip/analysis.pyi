@@ -1,3 +1,6 @@
+# Arrays of NumPy before 2.3 overlap with numbers.
+# mypy: disable-error-code="overload-overlap"
+
 from collections.abc import Callable, Sequence
 from typing import final, overload
 
