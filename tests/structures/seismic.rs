@@ -2,12 +2,15 @@
 //! passages, peaks and states computed independently to 25 digits.
 
 use serde_json::{Value, json};
-use stick_slip::structure::State;
-use stick_slip::structure::Step;
-use stick_slip::{Integrator, Segment, Structure, Trajectory};
+use stick_slip::analysis::rate_state::first_integral;
+use stick_slip::structure::{State, Step};
+use stick_slip::{Contact, Error, Integrator, RateState, Segment, Structure, Trajectory};
 
-use crate::common::{Worst, list, number, text};
+use crate::common::radau::{Matrix, STAGES, solve, weights};
+use crate::common::{Random, Worst, count, larger, list, number, text};
 use crate::reading::{cases, numbers, remembering};
+
+type Made = fn(f64, f64, f64, f64, f64) -> Result<RateState, Error>;
 
 const CASES: &str = include_str!("../data/rate_state_cycles_of_one.json");
 
@@ -158,4 +161,246 @@ fn periods_without_inertia_are_the_limit_of_small_masses() {
     assert!(least.abs() < 1e-14, "{least:e}");
     assert!((large.abs() - 5e-8).abs() < 5e-9, "{large:e}");
     assert!((large / small - 100.0).abs() < 0.1, "{large:e} {small:e}");
+}
+
+/// In units of N, D_c and V_p at the stiffness b − a, without inertia a first integral is constant:
+/// with a mass it drifts in proportion to the mass.
+#[test]
+fn first_integrals_drift_in_proportion_to_the_mass() {
+    for (made, v0) in [(RateState::aging as Made, 1e-3), (RateState::slip, 1e-5)] {
+        let law = made(0.6, 0.01, 0.015, 1.0, v0).unwrap();
+        let drift = |mass: f64| {
+            let slider = Structure::new(&[mass])
+                .and_then(|slider| slider.with_ground_spring(0, 0.005))
+                .and_then(|slider| slider.with_contact(Contact::new(0, law, 1.0)?.on_belt(1.0)))
+                .unwrap();
+            let start = State::new(&[law.steady(1.0) / 0.005], &[0.0]);
+            let start = start.with_memory(&[law.memory_at(1.0) - 0.3]);
+            let motion = slider.simulate(start, 60.0).unwrap();
+            // The start is not at the balance of forces: the speed comes to it at once.
+            let integrals = (1..=60).map(|k| {
+                let time = f64::from(k);
+                let state = motion.state_at(time).unwrap();
+                let speed = motion.sliding_velocity(0, time).abs();
+                first_integral(&law, 1.0, speed, state.memory[0]).unwrap()
+            });
+            let integrals: Vec<f64> = integrals.collect();
+            let [low, high] = [f64::min, f64::max].map(|of| integrals.iter().copied().reduce(of));
+            high.unwrap() - low.unwrap()
+        };
+        let [large, small, least] = [1e-6, 1e-8, 1e-16].map(drift);
+        assert!((large / small - 100.0).abs() < 1.0, "{large:e} {small:e}");
+        assert!(least < 1e-11, "{least:e}");
+    }
+}
+
+/// Sliders beside each other, in their displacements, the logarithms of their speeds and φ.
+struct Sliders {
+    law: RateState,
+    aging: bool,
+    numbers: [f64; 5],
+    load: f64,
+    mass: f64,
+    damping: f64,
+    stiffness: [[f64; 2]; 2],
+    plate: f64,
+    weights: Matrix,
+}
+
+type Six = [f64; 6];
+
+impl Sliders {
+    fn rates(&self, y: &Six) -> Six {
+        let [f0, a, b, d_c, v0] = self.numbers;
+        let mut rates = [0.0; 6];
+        for i in 0..2 {
+            let (speed, phi) = (y[2 + i].exp(), y[4 + i]);
+            let friction = f0 + a * (y[2 + i] - v0.ln()) + b * phi;
+            let spring: f64 = (0..2).map(|j| self.stiffness[i][j] * y[j]).sum();
+            // The damper acts on the sliding speed, as radiated waves do.
+            let force = self.load * friction - spring + self.damping * speed;
+            rates[i] = self.plate - speed;
+            rates[2 + i] = -force / (self.mass * speed);
+            rates[4 + i] = if self.aging {
+                v0 / d_c * (-phi).exp() - speed / d_c
+            } else {
+                -speed / d_c * (y[2 + i] - v0.ln() + phi)
+            };
+        }
+        rates
+    }
+
+    /// One step of Radau IIA, or `None` if Newton's method fails.
+    fn step(&self, y: &Six, h: f64) -> Option<Six> {
+        const ALL: usize = 6 * STAGES;
+        let a = &self.weights;
+        let mut slopes = [[0.0; 6]; STAGES];
+        for _ in 0..25 {
+            let (mut matrix, mut right) = ([[0.0; ALL]; ALL], [0.0; ALL]);
+            for i in 0..STAGES {
+                let at: Six = std::array::from_fn(|n| {
+                    y[n] + h * (0..STAGES).map(|j| a[i][j] * slopes[j][n]).sum::<f64>()
+                });
+                let rates = self.rates(&at);
+                for n in 0..6 {
+                    right[6 * i + n] = rates[n] - slopes[i][n];
+                    matrix[6 * i + n][6 * i + n] += 1.0;
+                }
+                for by in 0..6 {
+                    let mut moved = at;
+                    moved[by] += 1e-7 * at[by].abs().max(1e-3);
+                    let there = self.rates(&moved);
+                    for n in 0..6 {
+                        let slope = (there[n] - rates[n]) / (moved[by] - at[by]);
+                        for j in 0..STAGES {
+                            matrix[6 * i + n][6 * j + by] -= h * a[i][j] * slope;
+                        }
+                    }
+                }
+            }
+            let change = solve(matrix, right);
+            let mut largest = 0.0;
+            for (i, slopes) in slopes.iter_mut().enumerate() {
+                for (n, slope) in slopes.iter_mut().enumerate() {
+                    *slope += change[6 * i + n];
+                    let size = if n < 2 { y[n].abs().max(1e-300) } else { 1.0 };
+                    largest = larger(largest, (h * change[6 * i + n] / size).abs());
+                }
+            }
+            if largest.is_nan() || largest > 1e3 {
+                return None;
+            }
+            if largest < 1e-14 {
+                break;
+            }
+        }
+        Some(std::array::from_fn(|n| {
+            let last = (0..STAGES).map(|j| a[STAGES - 1][j] * slopes[j][n]);
+            y[n] + h * last.sum::<f64>()
+        }))
+    }
+
+    /// Steps over a time, each as long as two halves agree with it.
+    fn advance(&self, y: &mut Six, time: f64, h: &mut f64) {
+        let mut left = time;
+        while left > 0.0 {
+            let part = h.min(left);
+            let whole = self.step(y, part);
+            let halves = self.step(y, 0.5 * part);
+            let halves = halves.and_then(|middle| self.step(&middle, 0.5 * part));
+            let apart = match (whole, halves) {
+                (Some(whole), Some(halves)) => (0..6)
+                    .map(|n| (whole[n] - halves[n]).abs() / if n < 2 { y[n].abs() } else { 1.0 })
+                    .fold(0.0, larger),
+                _ => f64::NAN,
+            };
+            if apart < 1e-11 {
+                *y = halves.unwrap();
+                left -= part;
+            }
+            let longer = 0.8 * (1e-11 / apart.max(1e-16)).powf(1.0 / 9.0);
+            *h = part
+                * if apart.is_nan() {
+                    0.1
+                } else {
+                    longer.clamp(0.1, 3.0)
+                };
+            assert!(*h > 1e-15 * time, "the witness does not advance");
+        }
+    }
+}
+
+/// Two coupled sliders of both laws, of stable and of seismic sliding, over several decades of
+/// their speeds, beside an implicit method in the logarithm of the speed.
+#[test]
+fn random_sliders_move_as_by_an_implicit_method() {
+    let mut random = Random::new(81);
+    let (mut worst, mut most) = (Worst::default(), 0.0_f64);
+    for number in 0..count(4, 60) {
+        let aging = random.bits().is_multiple_of(2);
+        let a = random.uniform(0.008, 0.02);
+        let numbers = [
+            random.uniform(0.4, 0.8),
+            a,
+            a * random.uniform(1.1, 1.8),
+            random.logarithmic(1e-5, 1e-2),
+            random.logarithmic(1e-7, 1e-5),
+        ];
+        let [f0, a, b, d_c, v0] = numbers;
+        let made = if aging {
+            RateState::aging
+        } else {
+            RateState::slip
+        };
+        let law = made(f0, a, b, d_c, v0).unwrap();
+        let load = random.logarithmic(1e3, 1e8);
+        let plate = random.logarithmic(1e-9, 1e-5);
+        let critical = load * (b - a) / d_c;
+        let own = critical * random.uniform(0.2, 1.0);
+        let between = critical * random.uniform(0.05, 0.5);
+        // Speeds of the order of 0.1 m/s in a quake.
+        let damping = random.uniform(0.5, 2.0) * a * load / 0.1;
+        let mass = own * random.logarithmic(1e-6, 1e-4) * (d_c / 0.1).powi(2);
+        let system = Structure::new(&[mass, mass])
+            .and_then(|pair| pair.with_ground_spring(0, own)?.with_ground_spring(1, own))
+            .and_then(|pair| {
+                pair.with_ground_damper(0, damping)?
+                    .with_ground_damper(1, damping)
+            })
+            .and_then(|pair| {
+                let force = damping * plate;
+                pair.with_spring(0, 1, between)?
+                    .with_force(0, force)?
+                    .with_force(1, force)
+            })
+            .and_then(|pair| {
+                let contact = |i: usize| Ok(Contact::new(i, law, load)?.on_belt(plate));
+                pair.with_contacts([contact(0)?, contact(1)?])
+            })
+            .unwrap();
+        let sliders = Sliders {
+            law,
+            aging,
+            numbers,
+            load,
+            mass,
+            damping,
+            stiffness: [[own + between, -between], [-between, own + between]],
+            plate,
+            weights: weights(),
+        };
+        let steady = load * sliders.law.steady(plate) / own;
+        let phi = [0.0, 0.1].map(|by| law.memory_at(plate) + random.uniform(-1.5, 1.5) + by);
+        let start = |by: f64| {
+            State::new(&[0.98 * steady, steady], &[0.0; 2]).with_memory(&[phi[0] + by, phi[1]])
+        };
+        let unit = d_c / plate;
+        let times: Vec<f64> = (1..=8).map(|k| 6.0 * unit * f64::from(k)).collect();
+        let run = |by: f64| system.simulate(start(by), times[7]).unwrap();
+        let (motion, nearby) = (run(0.0), run(1e-7));
+        // The witness begins on the manifold.
+        let from = 1e-3 * unit;
+        let six = |motion: &Trajectory<State>, time: f64| -> Six {
+            let state = motion.state_at(time).unwrap();
+            let (q, phi) = (&state.displacements, &state.memory);
+            let x = [0, 1].map(|c| motion.sliding_velocity(c, time).abs().ln());
+            [q[0], q[1], x[0], x[1], phi[0], phi[1]]
+        };
+        let (mut y, mut now, mut h) = (six(&motion, from), from, 1e-6 * unit);
+        let about = format!("{number}: {law:?} {load} {mass} {damping} {own} {between} {plate}");
+        for &time in &times {
+            sliders.advance(&mut y, time - now, &mut h);
+            now = time;
+            let (found, beside) = (six(&motion, time), six(&nearby, time));
+            for n in 0..6 {
+                let size = if n < 2 { load * a / own } else { 1.0 };
+                let spread = (beside[n] - found[n]).abs() / 1e-7;
+                let allowed = 1e-10 * size + 1e-11 * spread;
+                worst.meet_within(allowed, &about, found[n], y[n]);
+            }
+            most = most.max((found[2] - plate.ln()).abs());
+        }
+    }
+    worst.assert("Radau", 1.0);
+    assert!(most > 3.0, "{most}");
 }

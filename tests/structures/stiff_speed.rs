@@ -274,12 +274,12 @@ fn two_masses_move_as_by_an_implicit_method() {
             law.with_viscous_coefficient(rise).unwrap()
         });
         let pair = Pair {
-            laws: laws.clone(),
+            laws,
             belts: [0.5, 0.8],
             weights: weights(),
         };
         let contact = |i: usize| {
-            let contact = Contact::new(i, pair.laws[i].clone(), 1.0).unwrap();
+            let contact = Contact::new(i, pair.laws[i], 1.0).unwrap();
             contact.on_belt(pair.belts[i])
         };
         let structure = Structure::new(&[1.0, 1.7])
@@ -331,7 +331,7 @@ fn work_does_not_grow_with_the_stiffness() {
                 .unwrap();
             let mut structure = Structure::new(&vec![1.0; masses]).unwrap();
             for i in 0..masses {
-                let contact = Contact::new(i, law.clone(), 1.0 + 0.1 * i as f64).unwrap();
+                let contact = Contact::new(i, law, 1.0 + 0.1 * i as f64).unwrap();
                 structure = structure
                     .with_ground_spring(i, 1.0)
                     .and_then(|structure| structure.with_contact(contact.on_belt(0.3)))

@@ -65,12 +65,11 @@ pub(super) fn is_accepted(
         let scale = at_contacts[owner].largest_bound().max(plan.sizes[owner]);
         Some(Allowance::new(plan.tolerance * scale, scale))
     };
-    let lasting = |j: usize| plan.lasting(j, h);
     contacts
         && std::iter::zip(&model.elements, elements)
             .filter(|(_, of)| of.acts)
             .all(|(element, of)| match element.pressed {
-                None => force_is_accepted((element, of), plan, (&held, &lasting), checks),
+                None => force_is_accepted((element, of), plan, &held, checks),
                 Some(c) => {
                     // Within the errors that the coefficients of a load may have.
                     let (defects, size) = (defects(element, of, checks)[0], plan.loads[c]);
@@ -128,7 +127,7 @@ fn defects<'s>(
 fn force_is_accepted(
     (element, of): (&ElementData<'_>, &mut ElementSeries),
     plan: &Plan,
-    (held, lasting): (&dyn Fn(usize) -> Option<Allowance>, &dyn Fn(usize) -> f64),
+    held: &dyn Fn(usize) -> Option<Allowance>,
     checks: Checks,
 ) -> bool {
     let of_forces = defects(element, of, checks);
@@ -145,7 +144,7 @@ fn force_is_accepted(
         }
         match held(j) {
             Some(allowance) => allowance.accepts(defects, 1.0),
-            None => plan.coordinates[j].accepts(defects, lasting(j)),
+            None => plan.coordinates[j].accepts(defects, plan.lasting(j, checks.h)),
         }
     })
 }

@@ -249,10 +249,14 @@ impl Slow<'_, '_> {
 
     fn expand(&mut self) -> Option<()> {
         let stiff = &mut self.control.stiff;
-        if stiff.is_active() {
-            return expand_slow(self.model, self.situation, self.series, stiff).then_some(());
+        if !stiff.is_active() {
+            return expand(self.model, self.situation, self.series, ALL).ok();
         }
-        expand(self.model, self.situation, self.series, ALL).ok()
+        expand_slow(self.model, self.situation, self.series, stiff).then_some(())?;
+        // Those of other stiff contacts, which have not settled, may overflow.
+        self.control.plan.dropped = self.series.truncate();
+        stiff.end_pass(self.series);
+        Some(())
     }
 
     /// Passes until the series do not change any more.

@@ -41,6 +41,9 @@ const LONGEST: f64 = 3.0;
 /// Change of ln s after which Newton's next one is less than rounding.
 const SMALL: f64 = 1e-8;
 
+/// A direction as a sum of those of contacts, each with its part.
+type Parts = Vec<(usize, f64)>;
+
 /// The contacts whose sliding speeds are on a slow manifold, in the step that is computed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stiff {
@@ -48,7 +51,7 @@ pub(super) struct Stiff {
     directions: Directions,
     /// The other contacts in slip that share coordinates. If the direction depends on those above,
     /// it is Σ α_c b_c with these parts α.
-    others: Vec<(usize, Option<Vec<(usize, f64)>>)>,
+    others: Vec<(usize, Option<Parts>)>,
     /// The speeds of the pass before.
     before: Vec<PowerSeries>,
     /// The matrix D.
@@ -135,19 +138,19 @@ impl Stiff {
         self.move_velocities(model, series, k);
         evaluate(series);
         if k + 1 == ALL {
-            self.end(model, series);
+            for &c in &self.directions.contacts {
+                series.contacts[c].speeds[ALL] = 0.0;
+            }
+            self.move_velocities(model, series, ALL);
         }
         true
     }
 
-    /// Ends a pass.
-    fn end(&mut self, model: &Model<'_>, series: &mut Series) {
+    /// Keeps the speeds for the next pass.
+    pub(super) fn end_pass(&mut self, series: &Series) {
         for (&c, before) in std::iter::zip(&self.directions.contacts, &mut self.before) {
-            let speeds = &mut series.contacts[c].speeds;
-            speeds[ALL] = 0.0;
-            *before = *speeds;
+            *before = series.contacts[c].speeds;
         }
-        self.move_velocities(model, series, ALL);
     }
 
     /// Order 0: the speeds at which all forces balance, with s_1 of the pass before.
