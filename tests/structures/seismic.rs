@@ -376,7 +376,8 @@ fn random_sliders_move_as_by_an_implicit_method() {
         };
         let unit = d_c / plate;
         let times: Vec<f64> = (1..=8).map(|k| 6.0 * unit * f64::from(k)).collect();
-        let run = |by: f64| system.simulate(start(by), times[7]).unwrap();
+        let about = format!("{number}: {law:?} {load} {mass} {damping} {own} {between} {plate}");
+        let run = |by: f64| system.simulate(start(by), times[7]).expect(&about);
         let (motion, nearby) = (run(0.0), run(1e-7));
         // The witness begins on the manifold.
         let from = 1e-3 * unit;
@@ -387,7 +388,6 @@ fn random_sliders_move_as_by_an_implicit_method() {
             [q[0], q[1], x[0], x[1], phi[0], phi[1]]
         };
         let (mut y, mut now, mut h) = (six(&motion, from), from, 1e-6 * unit);
-        let about = format!("{number}: {law:?} {load} {mass} {damping} {own} {between} {plate}");
         for &time in &times {
             sliders.advance(&mut y, time - now, &mut h);
             now = time;

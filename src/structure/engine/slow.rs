@@ -59,6 +59,10 @@ const WORTH_OF_SPEEDS: f64 = 3.0;
 /// Least ratio for one group of memories, after which the next group is tried.
 const LONGER: f64 = 1.5;
 
+/// Sliding speeds whose rates D differ by less than this factor are tried together: one of them
+/// alone would leave the step nearly as short as it is.
+const ALIKE: f64 = 16.0;
+
 /// Length of an explicit step in units of 1/D, about, from a series of all orders.
 const EXPLICIT: f64 = 10.0;
 
@@ -94,13 +98,8 @@ pub(super) fn relax(
         control,
         with_memories: !waits,
     };
-    let dropped = std::mem::take(&mut slow.control.plan.dropped);
-    let from = if dropped > 0 {
-        explicit.max(EXPLICIT / stiffest)
-    } else {
-        explicit
-    };
-    let trial = slow.trial(explicit, from);
+    let dropped = slow.control.plan.dropped;
+    let trial = slow.trial(explicit);
     let settles = series.contacts.iter().any(|of| of.settling > 0.0);
     let relaxes = series.contacts.iter().any(|of| of.relaxation > 0.0);
     let worth = if settles { WORTH_OF_SPEEDS } else { WORTH };
@@ -164,18 +163,19 @@ struct Trial {
 }
 
 impl Slow<'_, '_> {
-    /// Tries what relaxes well within the time `from`.
-    fn trial(&mut self, explicit: f64, mut from: f64) -> Trial {
+    /// Tries what relaxes well within the reach of the explicit series, then within that of the slow
+    /// ones.
+    fn trial(&mut self, explicit: f64) -> Trial {
         let mut trial = Trial {
             best: explicit,
             ..Trial::default()
         };
         // After the stiffest contacts, the next stiffest may limit the step.
-        while self.begin(from) {
+        while self.begin(trial.best) {
             trial.of_memories |= !self.control.begun.is_empty();
             trial.of_speeds |= !self.control.begun_speeds.is_empty();
             if let Some(slow) = self.slow_series(trial.best) {
-                (trial.best, from) = (slow, slow);
+                trial.best = slow;
                 continue;
             }
             for &c in &self.control.begun {
@@ -199,6 +199,20 @@ impl Slow<'_, '_> {
     fn begin(&mut self, reach: f64) -> bool {
         self.control.begun.clear();
         self.control.begun_speeds.clear();
+        let plan = &self.control.plan;
+        let waiting = std::iter::zip(&self.series.contacts, &plan.stiff);
+        let waiting = waiting.filter(|(contact, _)| contact.settling == 0.0);
+        let stiffest = waiting.fold(0.0, |most, (_, &rate)| f64::max(most, rate));
+        // Of a few orders only the reach is shorter.
+        let reach = match plan.dropped {
+            0 => reach,
+            _ => reach.max(EXPLICIT / stiffest),
+        };
+        let slowest = if stiffest * reach > SETTLING {
+            stiffest / ALIKE
+        } else {
+            f64::INFINITY
+        };
         for (c, contact) in self.series.contacts.iter_mut().enumerate() {
             // Several variables of one contact may be stiff together.
             let state = &self.situation.contacts[c];
@@ -209,7 +223,8 @@ impl Slow<'_, '_> {
                 continue;
             }
             let settling = self.control.plan.stiff[c];
-            if settling * reach > SETTLING && contact.settling == 0.0 && rate.is_none() {
+            let begins = settling > slowest || settling * reach > SETTLING;
+            if begins && contact.settling == 0.0 && rate.is_none() {
                 contact.settling = settling;
                 self.control.begun_speeds.push(c);
             }
@@ -238,8 +253,12 @@ impl Slow<'_, '_> {
         for (contact, state) in contacts.filter(|(contact, _)| contact.relaxation > 0.0) {
             contact.hold_memory(&state.memory);
         }
-        self.control.stiff = Stiff::of(self.model, self.situation, self.series);
-        self.control.plan.slaved = self.control.stiff.slaved(self.model);
+        if self.slow_speeds().next().is_some() {
+            self.control.stiff = Stiff::of(self.model, self.situation, self.series);
+            self.control.plan.slaved = self.control.stiff.slaved(self.model);
+        } else {
+            self.control.stiff = Stiff::default();
+        }
         self.expand()?;
         let mut before = std::mem::take(&mut self.control.pass_before);
         let found = self.passes(shorter, &mut before);
@@ -250,6 +269,7 @@ impl Slow<'_, '_> {
     fn expand(&mut self) -> Option<()> {
         let stiff = &mut self.control.stiff;
         if !stiff.is_active() {
+            self.control.plan.dropped = 0;
             return expand(self.model, self.situation, self.series, ALL).ok();
         }
         expand_slow(self.model, self.situation, self.series, stiff).then_some(())?;
