@@ -229,6 +229,16 @@
 //!   `structures::stiff_speed::several_contacts_move_as_one`,
 //!   `structures::stiff_speed::a_contact_between_masses_leaves_their_common_motion`,
 //!   `structures::stiff_speed::two_masses_move_as_by_an_implicit_method`.
+//! * **Seismic cycles.** Under rate-and-state friction, over up to 15 decades of the sliding speed,
+//!   the passages of the plate's velocity in four motions agree with 25-digit values within 1e-13 of
+//!   their times, in at most 1.3 times the steps of an independent trial. Pairs of sliders agree
+//!   with an implicit method in the logarithm of the speed, and periodic motions close to 1e-13:
+//!   `structures::seismic::motions_have_the_reference_passages_and_states`,
+//!   `structures::seismic::periods_without_inertia_are_the_limit_of_small_masses`,
+//!   `structures::seismic::first_integrals_drift_in_proportion_to_the_mass`,
+//!   `structures::seismic::random_sliders_move_as_by_an_implicit_method`,
+//!   `orbit::rate_state::seismic_cycles_close_and_have_the_multipliers_of_differences`,
+//!   `orbit::rate_state::a_cycle_shrinks_to_steady_sliding_at_the_critical_stiffness`.
 //! * **Units** do not matter, as long as the angular frequencies and rates of a structure are
 //!   between 1e-9 and 1e10 per unit of time. Steps are at most 2³² units long, so slower motions
 //!   take more steps; faster ones end in [`Error::StepUnderflow`](crate::Error::StepUnderflow),

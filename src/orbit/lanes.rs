@@ -80,7 +80,7 @@ impl<'e> Equations<'e> {
         self.expand_orders(rows, 0..self.terms - 1);
     }
 
-    /// Some orders of them: k of the displacements and velocities gives k + 1.
+    /// Expands some orders: order k of the displacements and velocities gives order k + 1.
     pub(super) fn expand_orders<const W: usize>(&self, rows: &mut Rows<W>, orders: Range<usize>) {
         fused::compute(
             &(self, orders),

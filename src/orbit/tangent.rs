@@ -250,7 +250,7 @@ fn advance<const W: usize>(
     const SHORTEST: f64 = 1e-9;
     /// Length of an explicit step in units of 1/D, about.
     const STABLE: f64 = 10.0;
-    /// Of so few orders none overflows.
+    /// A number of orders of which none overflows.
     const FEWEST: usize = 7;
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;

@@ -8,17 +8,17 @@ use super::model::Model;
 /// Contacts that settle, and that determine the relative velocities of all others that settle.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Directions {
-    /// Those with independent directions, of each other and of contacts that stick.
+    /// The contacts whose directions do not depend on each other or on contacts that stick.
     pub(crate) contacts: Vec<usize>,
-    /// Those of them that share coordinates, after the contacts that stick.
+    /// The contacts that stick, then those of `contacts` that share coordinates.
     pub(super) holding: Holding,
-    /// For each of them the velocities of all coordinates that move it alone, with the least
-    /// kinetic energy: its relative velocity is 1.
+    /// The velocities of all coordinates that move one of `contacts` alone, with the least kinetic
+    /// energy: its relative velocity is 1.
     columns: Vec<Vec<f64>>,
 }
 
 impl Directions {
-    /// Of the contacts that settle, beside those that stick.
+    /// The directions of the contacts that settle, beside those that stick.
     pub(crate) fn new(model: &Model<'_>, held: &Holding, settles: &dyn Fn(usize) -> bool) -> Self {
         let own = 0..model.contacts.len();
         let own = own.filter(|&c| settles(c) && model.owner_of(c).is_some());

@@ -128,8 +128,8 @@ pub(super) fn expand_further(
     all_orders(model, situation, series, first..ALL);
 }
 
-/// The same as [`expand`] if some contacts are on a slow manifold: one pass to it. Returns false if
-/// there is none.
+/// One pass to the slow manifold on which some contacts are, in place of [`expand`]. Returns false
+/// if there is none.
 pub(super) fn expand_slow(
     model: &Model<'_>,
     situation: &Situation,

@@ -358,8 +358,8 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// The same if some coordinates have no motion of their own, because contacts damp it at these
-    /// rates D; 0 for the others. Under a stiffness k they relax at the rate k/D.
+    /// The time unit where some coordinates have no motion of their own, because contacts damp it
+    /// at these rates D; 0 for the others. Under a stiffness k they relax at the rate k/D.
     pub(super) fn slow_time_unit<'t>(
         &self,
         damped: impl Fn(usize) -> f64,

@@ -66,11 +66,11 @@ pub(super) struct Plan {
     pub(super) loads: Vec<f64>,
     /// Rate at which a perturbation of each velocity decays.
     closings: Vec<f64>,
-    /// The same of each contact's sliding speed, if it is stiff; otherwise 0.
+    /// Rate D at which each contact's sliding speed settles, if it is stiff; otherwise 0.
     pub(super) stiff: Vec<f64>,
     /// Number of the last orders that no series has, because they overflow.
     pub(super) dropped: usize,
-    /// In a slow step, true for each coordinate that its contacts leave no motion of its own;
+    /// True for each coordinate that its contacts leave no motion of its own, in a slow step;
     /// otherwise empty.
     pub(super) slaved: Vec<bool>,
     /// Scale of each velocity, and the size of the terms of its equation.

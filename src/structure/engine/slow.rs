@@ -53,7 +53,7 @@ const INNER: f64 = 0.8;
 /// Least ratio of the reach of the slow series to the explicit one that is worth its passes.
 const WORTH: f64 = 10.0;
 
-/// The same for sliding speeds: explicit steps are 10/D long there, whatever the tolerance.
+/// Least such ratio for sliding speeds: explicit steps are 10/D long there, whatever the tolerance.
 const WORTH_OF_SPEEDS: f64 = 3.0;
 
 /// Least ratio for one group of memories, after which the next group is tried.
@@ -273,7 +273,7 @@ impl Slow<'_, '_> {
             return expand(self.model, self.situation, self.series, ALL).ok();
         }
         expand_slow(self.model, self.situation, self.series, stiff).then_some(())?;
-        // Those of other stiff contacts, which have not settled, may overflow.
+        // The series of other stiff contacts, which have not settled, may overflow.
         self.control.plan.dropped = self.series.truncate();
         stiff.end_pass(self.series);
         Some(())

@@ -47,7 +47,7 @@ type Parts = Vec<(usize, f64)>;
 /// The contacts whose sliding speeds are on a slow manifold, in the step that is computed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stiff {
-    /// Those whose speeds determine all others.
+    /// The contacts whose speeds determine all others.
     directions: Directions,
     /// The other contacts in slip that share coordinates. If the direction depends on those above,
     /// it is Σ α_c b_c with these parts α.
