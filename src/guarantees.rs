@@ -230,9 +230,10 @@
 //!   `structures::stiff_speed::a_contact_between_masses_leaves_their_common_motion`,
 //!   `structures::stiff_speed::two_masses_move_as_by_an_implicit_method`.
 //! * **Seismic cycles.** Under rate-and-state friction, over up to 15 decades of the sliding speed,
-//!   the passages of the plate's velocity in four motions agree with 25-digit values within 1e-13 of
-//!   their times, in at most 1.3 times the steps of an independent trial. Pairs of sliders agree
-//!   with an implicit method in the logarithm of the speed, and periodic motions close to 1e-13:
+//!   the passages of the plate's velocity in four motions agree with 25-digit values within 1e-13
+//!   of their times, in at most 1.3 times the steps of an independent trial. Pairs of sliders agree
+//!   with an implicit method in the logarithm of the speed. Periodic motions close to 1e-13, with
+//!   the multipliers of differences:
 //!   `structures::seismic::motions_have_the_reference_passages_and_states`,
 //!   `structures::seismic::periods_without_inertia_are_the_limit_of_small_masses`,
 //!   `structures::seismic::first_integrals_drift_in_proportion_to_the_mass`,

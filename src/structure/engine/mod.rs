@@ -90,7 +90,7 @@ use mechanisms::Mechanism;
 use model::Model;
 use modes::{At, Modes};
 use modes_after::{begin, decide, slide};
-use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
+use plan::{Control, LONGEST_STEP, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
@@ -122,9 +122,6 @@ pub(super) struct Engine<'s> {
     /// The error that ends the motion.
     ending: Option<Error>,
 }
-
-/// A number that can be halved; in any unit.
-const LONGEST_STEP: f64 = 4294967296.0;
 
 /// Most orders that a step may do without.
 const MOST_DROPPED: usize = TERMS - 6;

@@ -18,6 +18,9 @@ use crate::series::{PowerSeries, TERMS};
 /// is small compared with this change could be as large as the velocity itself.
 const BEYOND: f64 = 16.0;
 
+/// The longest step: a number that can be halved, in any unit.
+pub(super) const LONGEST_STEP: f64 = 4294967296.0;
+
 /// Rounding of the terms of the equation of a stiff contact, in parts of ε, that its speed may have
 /// as error: the forces balance to ε, the speed to ε N μ G/D.
 const HOVER: f64 = 16.0;

@@ -27,11 +27,10 @@
 //! Near stick z and r vibrate together at √(Nσ0/m) until the vibration has decayed. Both are
 //! followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
 
-use super::LONGEST_STEP;
 use super::coordinate_series::ALL;
 use super::expand::{expand, expand_slow};
 use super::model::Model;
-use super::plan::{Control, plan_reach};
+use super::plan::{Control, LONGEST_STEP, plan_reach};
 use super::series::Series;
 use super::state::{Phase, Situation};
 use super::stiff::Stiff;
@@ -163,8 +162,8 @@ struct Trial {
 }
 
 impl Slow<'_, '_> {
-    /// Tries what relaxes well within the reach of the explicit series, then within that of the slow
-    /// ones.
+    /// Tries what relaxes well within the reach of the explicit series, then what relaxes within
+    /// that of the slow ones.
     fn trial(&mut self, explicit: f64) -> Trial {
         let mut trial = Trial {
             best: explicit,
