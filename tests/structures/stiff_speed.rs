@@ -47,7 +47,7 @@ fn assert_as_few(found: usize, expected: usize, about: &str) {
 #[test]
 fn one_mass_moves_as_on_its_belt() {
     let (mut worst, mut random) = (Worst::default(), Random::new(54));
-    let all = count(60, 2000);
+    let all = count(60, 200);
     let [mut one, mut other] = [0, 0];
     for i in 0..all {
         let (law, velocity) = steep(&mut random, i);
@@ -96,7 +96,7 @@ fn ends<'a>(
 #[test]
 fn several_contacts_move_as_one() {
     let (mut worst, mut random) = (Worst::default(), Random::new(3));
-    for i in 0..count(30, 500) {
+    for i in 0..count(30, 200) {
         let (law, w) = steep(&mut random, i);
         let contact =
             |place: usize, load: f64| Contact::new(place, law.clone(), load).unwrap().on_belt(w);
@@ -148,7 +148,7 @@ fn several_contacts_move_as_one() {
 #[test]
 fn a_contact_between_masses_leaves_their_common_motion() {
     let (mut worst, mut random) = (Worst::default(), Random::new(8));
-    for i in 0..count(30, 500) {
+    for i in 0..count(30, 200) {
         let (law, _) = steep(&mut random, i);
         let load = random.uniform(0.3, 2.0);
         let springs = |structure: Structure, n: usize| {
