@@ -8,6 +8,7 @@ use super::map::SINGULAR;
 use super::map::{PeriodMap, vector};
 use crate::drive::Drive;
 use crate::numerics::least_norm::least_norm;
+use crate::structure::engine::first_order;
 
 /// The map G over half of a period, of which a motion is a fixed point: G(x) = S P(x) + c with
 /// diagonal S and constant c. For a motion that takes twice its own period S is the identity; for a
@@ -177,16 +178,8 @@ impl Balance {
         }
         for (state, row) in std::iter::zip(&model.first_order, n..) {
             forces[row] = state.scale * twice(&state.drive);
-            for &(i, x) in &state.responses {
-                stiffness[(i, row)] -= x;
-            }
-            for &(j, a) in &state.displacements {
-                stiffness[(row, j)] -= a;
-            }
-            for &(k, a) in &state.states {
-                stiffness[(row, n + k)] -= a;
-            }
         }
+        first_order::subtract(&model.first_order, &mut stiffness, n);
         let elements = model.elements.iter();
         Self {
             places: (0..all).map(|j| model.position_row(j)).collect(),

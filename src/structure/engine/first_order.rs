@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::DMatrix;
+
 use super::contact::Entries;
 use super::coordinate_series::DisplacementSeries;
 use super::element::sum;
@@ -54,6 +56,22 @@ impl FirstOrderData {
     /// The factor of its own value in its rate.
     fn own(&self, number: usize) -> f64 {
         entry_of(&self.states, number)
+    }
+}
+
+/// Subtracts the states from the equations of rest, in which they follow the n displacements: M⁻¹b
+/// from those of the coordinates, A_q and A_z from their own.
+pub(crate) fn subtract(states: &[FirstOrderData], stiffness: &mut DMatrix<f64>, n: usize) {
+    for (state, row) in std::iter::zip(states, n..) {
+        for &(i, x) in &state.responses {
+            stiffness[(i, row)] -= x;
+        }
+        for &(j, a) in &state.displacements {
+            stiffness[(row, j)] -= a;
+        }
+        for &(k, a) in &state.states {
+            stiffness[(row, n + k)] -= a;
+        }
     }
 }
 

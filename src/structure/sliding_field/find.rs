@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::engine::contact::ContactData;
+use super::super::engine::first_order;
 use super::super::engine::limits::limit_force;
 use super::super::engine::model::Model;
 use super::super::equilibrium::{Equilibrium, ROUNDING};
@@ -191,17 +192,7 @@ impl<'m, 's> SlidingField<'m, 's> {
                 }
             }
         }
-        for (state, row) in std::iter::zip(&model.first_order, n..) {
-            for &(i, x) in &state.responses {
-                stiffness[(i, row)] -= x;
-            }
-            for &(j, a) in &state.displacements {
-                stiffness[(row, j)] -= a;
-            }
-            for &(k, a) in &state.states {
-                stiffness[(row, n + k)] -= a;
-            }
-        }
+        first_order::subtract(&model.first_order, &mut stiffness, n);
         let sticking = (0..contacts.len()).filter(|&c| contacts[c].is_none());
         let sticking: Vec<usize> = sticking.collect();
         for i in (0..n).filter(|_| velocities.is_some()) {
