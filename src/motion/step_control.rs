@@ -25,6 +25,9 @@ pub(crate) const STIFF: f64 = 8.0;
 /// manifold. D is the rate at which deviations from it decay.
 pub(crate) const SETTLING: f64 = 7.0;
 
+/// Length of an explicit step in units of 1/D, about, from a series of all orders.
+pub(crate) const EXPLICIT: f64 = 10.0;
+
 /// The largest tolerance of a stiff system. Its errors are measured in units of v and v_b, and must
 /// be small relative to the speeds over which the law is nonlinear; otherwise the motion does not
 /// reach the slow manifold. A small tolerance costs little, because the length of a step grows only

@@ -13,16 +13,7 @@ use super::linear::Linear;
 use crate::motion::step_control::SETTLING;
 use crate::structure::engine::directions::Directions;
 use crate::structure::engine::model::Model;
-
-/// Limit of passes.
-const MOST_PASSES: usize = 12;
-
-/// Distance from the slow manifold, and change in the last pass, in units of the error of a step,
-/// that count as 0.
-const CLOSE: f64 = 8.0;
-
-/// Part of the reach within which changes count.
-const INNER: f64 = 0.8;
+use crate::structure::engine::slow::{CLOSE, INNER, MOST_PASSES};
 
 /// The contacts that settle along a step.
 pub(super) struct Settling<'m> {
@@ -31,25 +22,23 @@ pub(super) struct Settling<'m> {
     rates: LU<f64, Dyn, Dyn>,
 }
 
-/// The rate D of each contact at the start of a step: 0 unless it slips.
-fn braking(linear: &Linear, c: usize) -> f64 {
+/// The rate D of a contact at the start of a step: 0 if it does not slip, or is elastic.
+fn braking(model: &Model<'_>, linear: &Linear, c: usize) -> f64 {
     let friction = linear.contacts[c].friction.first();
+    let friction = friction.filter(|_| !model.contacts[c].is_elastic());
     friction.map_or(0.0, |by_speed| by_speed.series[0])
 }
 
 /// The largest rate at which a contact settles at the start of a step.
 pub(super) fn stiffest(model: &Model<'_>, linear: &Linear) -> f64 {
-    let contacts = (0..model.contacts.len()).filter(|&c| !model.contacts[c].is_elastic());
-    contacts.map(|c| braking(linear, c)).fold(0.0, f64::max)
+    let rates = (0..model.contacts.len()).map(|c| braking(model, linear, c));
+    rates.fold(0.0, f64::max)
 }
 
 impl<'m> Settling<'m> {
     /// The contacts that settle well within a time; `None` if there are none.
     pub(super) fn within(model: &'m Model<'m>, linear: &Linear, time: f64) -> Option<Self> {
-        let rate = |c: usize| match model.contacts[c].is_elastic() {
-            true => 0.0,
-            false => braking(linear, c),
-        };
+        let rate = |c: usize| braking(model, linear, c);
         let settles = |c: usize| rate(c) * time > SETTLING;
         let directions = Directions::new(model, &linear.holding, &settles);
         if directions.contacts.is_empty() {

@@ -28,6 +28,7 @@ use super::linear::Linear;
 use super::phase::{Phase, ends_phase};
 use super::settling::{Settling, stiffest};
 use crate::error::{Error, Reached};
+use crate::motion::step_control::EXPLICIT;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
@@ -248,8 +249,6 @@ fn advance<const W: usize>(
     const LINE: usize = 8;
     /// The shortest part of a step, unless velocities of stiff contacts settle in it.
     const SHORTEST: f64 = 1e-9;
-    /// Length of an explicit step in units of 1/D, about.
-    const STABLE: f64 = 10.0;
     /// A number of orders of which none overflows.
     const FEWEST: usize = 7;
     let mut linear = Cow::Borrowed(linear);
@@ -278,7 +277,7 @@ fn advance<const W: usize>(
             terms = 3 * terms / 4;
             part = Equations::new(form, &linear, terms).reach(rows, left);
         }
-        let stable = part.max(STABLE / stiffest);
+        let stable = part.max(EXPLICIT / stiffest);
         if stable < left {
             let equations = Equations::new(form, &linear, LONG);
             let settling = Settling::within(&form.model, &linear, stable);

@@ -69,7 +69,7 @@ mod series;
 mod shared;
 mod shared_modes;
 mod sizes;
-mod slow;
+pub(crate) mod slow;
 pub(crate) mod sparse;
 mod springs;
 mod state;
@@ -90,7 +90,7 @@ use mechanisms::Mechanism;
 use model::Model;
 use modes::{At, Modes};
 use modes_after::{begin, decide, slide};
-use plan::{Control, LONGEST_STEP, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
+use plan::{Control, LONGEST_STEP, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
@@ -103,7 +103,7 @@ use crate::error::{Element, Error};
 use crate::friction::memory::Motion;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
-use crate::series::{PowerSeries, TERMS, quarters};
+use crate::series::{PowerSeries, quarters};
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -122,9 +122,6 @@ pub(super) struct Engine<'s> {
     /// The error that ends the motion.
     ending: Option<Error>,
 }
-
-/// Most orders that a step may do without.
-const MOST_DROPPED: usize = TERMS - 6;
 
 impl<'s> Engine<'s> {
     /// The structure at its start, with the events at the start time.
@@ -262,32 +259,12 @@ impl<'s> Engine<'s> {
             return self.settle_linear(to_break).map(settled);
         }
         let is_finite = is_finite(situation, series);
-        control.plan.dropped = 0;
-        let mut explicit = plan_reach(
-            model,
-            situation,
-            series,
-            control.tolerance,
-            &mut control.plan,
-        );
-        let is_stiff = control.plan.is_stiff();
-        let mut dropped = 0;
-        if is_stiff {
-            dropped = series.truncate();
-        } else if !is_finite {
+        let (tolerance, plan) = (control.tolerance, &mut control.plan);
+        let explicit = plan_explicit(model, situation, series, tolerance, plan);
+        let is_stiff = plan.is_stiff();
+        if !(is_finite || is_stiff) {
             return Err(self.underflow(0.0));
         }
-        if dropped > 0 {
-            control.plan.dropped = dropped;
-            let (tolerance, plan) = (control.tolerance, &mut control.plan);
-            explicit = plan_reach(model, situation, series, tolerance, plan);
-        }
-        // A slow manifold may have a series all the same.
-        let explicit = if dropped > MOST_DROPPED {
-            0.0
-        } else {
-            explicit
-        };
         let reach = slow::relax(model, situation, series, control, explicit);
         // Time is a sum of two numbers.
         let resolution = if is_stiff { f64::EPSILON } else { 1.0 };

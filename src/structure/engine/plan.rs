@@ -1,5 +1,6 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
+use super::contact::ContactData;
 use super::contact_series::ContactSeries;
 use super::coordinate_series::DisplacementSeries;
 use super::model::Model;
@@ -105,10 +106,14 @@ impl Plan {
 
     /// How much of a time a force on a coordinate has an effect: 1/D on a slow manifold.
     pub(super) fn lasting(&self, i: usize, time: f64) -> f64 {
-        match self.slaved.get(i) {
-            Some(true) => time.min(self.closings[i].recip()),
-            _ => time,
-        }
+        lasting(&self.slaved, &self.closings, i, time)
+    }
+}
+
+fn lasting(slaved: &[bool], closings: &[f64], i: usize, time: f64) -> f64 {
+    match slaved.get(i) {
+        Some(true) => time.min(closings[i].recip()),
+        _ => time,
     }
 }
 
@@ -213,7 +218,8 @@ pub(super) fn plan_reach(
         let rate = settling(model, situation, series, c);
         let is_stiff = rate * plan.unit > STIFF
             && plan.unit.is_finite()
-            && rate * rate > 4.0 * springiness(model, state, series, (c, rate));
+            && rate * rate
+                > 4.0 * springiness(&model.contacts[c], (state, &series.contacts[c]), rate);
         plan.stiff.push(if is_stiff { rate } else { 0.0 });
     }
     if series.contacts.iter().all(|of| of.settling == 0.0) {
@@ -236,6 +242,31 @@ pub(super) fn plan_reach(
             within = shorter;
         } else {
             return farthest;
+        }
+    }
+}
+
+/// The time up to which explicit series reach. If a contact is stiff, orders that overflow are
+/// dropped, and without nearly all orders the series reach nowhere.
+pub(super) fn plan_explicit(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &mut Series,
+    tolerance: f64,
+    plan: &mut Plan,
+) -> f64 {
+    /// Most orders that a step may do without.
+    const MOST_DROPPED: usize = TERMS - 6;
+    plan.dropped = 0;
+    let reach = plan_reach(model, situation, series, tolerance, plan);
+    if plan.is_stiff() {
+        plan.dropped = series.truncate();
+    }
+    match plan.dropped {
+        0 => reach,
+        dropped => {
+            let reach = plan_reach(model, situation, series, tolerance, plan);
+            if dropped > MOST_DROPPED { 0.0 } else { reach }
         }
     }
 }
@@ -291,8 +322,8 @@ fn plan_within(
     for (i, &(own, terms)) in scales.iter().enumerate() {
         if let Some(c) = model.owner[i].filter(|&c| plan.stiff[c] > 0.0) {
             let of = &series.contacts[c];
-            let error = stiff_error(tolerance, &situation.contacts[c], of, plan.stiff[c], within)
-                .max(HOVER * f64::EPSILON * terms / plan.stiff[c]);
+            let state = &situation.contacts[c];
+            let error = stiff_error(tolerance, (state, of), (plan.stiff[c], terms), within);
             farthest = farthest.min(reaches.of(error, &of.speeds, TERMS - 1));
             farthest = farthest.min(reaches.of(tolerance * own, &of.surface, TERMS - 1));
             plan.coordinates.push(Allowance::new(error, terms));
@@ -308,10 +339,7 @@ fn plan_within(
         let mut error = tolerance * scale;
         if model.shared_coordinates.binary_search(&i).is_ok() && within.is_finite() {
             // Where contacts hold a coordinate, the rounding errors of the forces on it remain.
-            let lasting = match plan.slaved.get(i) {
-                Some(true) => within.min(plan.closings[i].recip()),
-                _ => within,
-            };
+            let lasting = lasting(&plan.slaved, &plan.closings, i, within);
             error = error.max(f64::EPSILON * lasting * terms);
         }
         let allowance = Allowance::new(error, terms);
@@ -365,8 +393,7 @@ fn plan_within(
         let allowance = match owner {
             Some(i) => plan.coordinates[i],
             None if plan.stiff[c] > 0.0 => {
-                let error = stiff_error(tolerance, state, of, plan.stiff[c], within)
-                    .max(HOVER * f64::EPSILON * size / plan.stiff[c]);
+                let error = stiff_error(tolerance, (state, of), (plan.stiff[c], size), within);
                 Allowance::new(error, size)
             }
             None => {
@@ -426,14 +453,14 @@ pub(super) fn memory_scale(value: f64, series: &PowerSeries, time: f64) -> f64 {
     }
 }
 
-/// The error of a sliding speed that settles at the rate D: relative to the speed, because it is
-/// known to all its digits where the contact creeps, far more slowly than its surface moves. If the
-/// speed is about 0 the scale is its change: until it has settled, or in a slow step over the step.
+/// The error of a sliding speed that settles at the rate D, under forces of the size `terms`:
+/// relative to the speed, because it is known to all its digits where the contact creeps, far more
+/// slowly than its surface moves. If the speed is about 0 the scale is its change: until it has
+/// settled, or in a slow step over the step.
 fn stiff_error(
     tolerance: f64,
-    state: &ContactState,
-    of: &ContactSeries,
-    rate: f64,
+    (state, of): (&ContactState, &ContactSeries),
+    (rate, terms): (f64, f64),
     within: f64,
 ) -> f64 {
     let time = if of.settling > 0.0 {
@@ -448,12 +475,13 @@ fn stiff_error(
         Some(_) => tolerance.min(LOOSEST),
         None => tolerance,
     };
-    tolerance * of.speeds[0].abs().max(by_rate)
+    let error = tolerance * of.speeds[0].abs().max(by_rate);
+    error.max(HOVER * f64::EPSILON * terms / rate)
 }
 
 /// D of a contact that slips: the rate at which its sliding speed settles by friction and damping;
 /// otherwise 0.
-pub(super) fn settling(model: &Model<'_>, situation: &Situation, series: &Series, c: usize) -> f64 {
+fn settling(model: &Model<'_>, situation: &Situation, series: &Series, c: usize) -> f64 {
     let (contact, of) = (&model.contacts[c], &series.contacts[c]);
     match situation.contacts[c].phase {
         Phase::Slip { .. } if !contact.is_elastic() => {
@@ -466,10 +494,13 @@ pub(super) fn settling(model: &Model<'_>, situation: &Situation, series: &Series
 
 /// |N G Σ_j ∂μ/∂z_j ∂z_j'/∂s| of a contact that slips: its memory carries forces as a spring does,
 /// by which the sliding speed vibrates unless it settles faster, at the rate D > 0.
-fn springiness(model: &Model<'_>, state: &ContactState, series: &Series, (c, rate): Of) -> f64 {
+fn springiness(
+    contact: &ContactData<'_>,
+    (state, of): (&ContactState, &ContactSeries),
+    rate: f64,
+) -> f64 {
     /// Increments in parts of what is increased: differences have half the digits.
     const PART: f64 = 1.0 / (1 << 26) as f64;
-    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
     let Some(slip) = state.slip(state.speed()) else {
         return 0.0;
     };
@@ -500,9 +531,6 @@ fn springiness(model: &Model<'_>, state: &ContactState, series: &Series, (c, rat
         .map(|(j, by_speed)| by_speed * by_memory(j));
     forces.sum::<f64>().abs()
 }
-
-/// A contact, and the rate at which it settles.
-type Of = (usize, f64);
 
 /// The length of a step in which only the memory of contacts changes: until it has changed by its
 /// own size, and longer if the structure's own times are longer. Notes the errors allowed in the

@@ -30,24 +30,24 @@
 use super::coordinate_series::ALL;
 use super::expand::{expand, expand_slow};
 use super::model::Model;
-use super::plan::{Control, LONGEST_STEP, plan_reach};
+use super::plan::{Control, LONGEST_STEP, plan_explicit, plan_reach};
 use super::series::Series;
 use super::state::{Phase, Situation};
 use super::stiff::Stiff;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
-use crate::motion::step_control::SETTLING;
+use crate::motion::step_control::{EXPLICIT, SETTLING};
 use crate::series::{PowerSeries, TERMS};
 
 /// Limit of passes.
-const MOST_PASSES: usize = 12;
+pub(crate) const MOST_PASSES: usize = 12;
 
 /// Distance from the slow manifold, and change in the last pass, in units of the error of a step,
 /// that count as 0.
-const CLOSE: f64 = 8.0;
+pub(crate) const CLOSE: f64 = 8.0;
 
 /// Part of the reach within which changes count.
-const INNER: f64 = 0.8;
+pub(crate) const INNER: f64 = 0.8;
 
 /// Least ratio of the reach of the slow series to the explicit one that is worth its passes.
 const WORTH: f64 = 10.0;
@@ -61,9 +61,6 @@ const LONGER: f64 = 1.5;
 /// Sliding speeds whose rates D differ by less than this factor are tried together: one of them
 /// alone would leave the step nearly as short as it is.
 const ALIKE: f64 = 16.0;
-
-/// Length of an explicit step in units of 1/D, about, from a series of all orders.
-const EXPLICIT: f64 = 10.0;
 
 /// Most steps before the slow manifold of memories is tried again.
 const LONGEST_PAUSE: u32 = 256;
@@ -97,7 +94,6 @@ pub(super) fn relax(
         control,
         with_memories: !waits,
     };
-    let dropped = slow.control.plan.dropped;
     let trial = slow.trial(explicit);
     let settles = series.contacts.iter().any(|of| of.settling > 0.0);
     let relaxes = series.contacts.iter().any(|of| of.relaxation > 0.0);
@@ -120,23 +116,14 @@ pub(super) fn relax(
         control.errors_left.extend(left);
         return trial.best;
     }
-    if dropped > 0 || trial.of_memories || trial.of_speeds {
+    if trial.of_memories || trial.of_speeds {
         for contact in &mut series.contacts {
             (contact.relaxation, contact.settling) = (0.0, 0.0);
         }
         // This is the expansion as it was before, so it has no fault.
         let _ = expand(model, situation, series, ALL);
-        control.plan.dropped = dropped;
-        if dropped > 0 {
-            series.truncate();
-        }
-        plan_reach(
-            model,
-            situation,
-            series,
-            control.tolerance,
-            &mut control.plan,
-        );
+        let (tolerance, plan) = (control.tolerance, &mut control.plan);
+        plan_explicit(model, situation, series, tolerance, plan);
     }
     explicit
 }
