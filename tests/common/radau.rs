@@ -68,6 +68,65 @@ pub fn weights() -> Matrix {
     a
 }
 
+/// The state after a step of length h from y, with these slopes at its stages.
+pub fn end<const N: usize>(
+    a: &Matrix,
+    y: &[f64; N],
+    h: f64,
+    slopes: &[[f64; N]; STAGES],
+) -> [f64; N] {
+    stage(a, y, h, slopes, STAGES - 1)
+}
+
+fn stage<const N: usize>(
+    a: &Matrix,
+    y: &[f64; N],
+    h: f64,
+    slopes: &[[f64; N]; STAGES],
+    i: usize,
+) -> [f64; N] {
+    std::array::from_fn(|n| {
+        let sum = (0..STAGES).map(|j| a[i][j] * slopes[j][n]);
+        y[n] + h * sum.sum::<f64>()
+    })
+}
+
+/// Newton's corrections of the slopes of such a step. For the derivatives of the rates each number
+/// is moved by an increment, of the state at a stage and of its place.
+pub fn corrections<const N: usize>(
+    a: &Matrix,
+    rates: &dyn Fn(&[f64; N]) -> [f64; N],
+    increment: &dyn Fn(&[f64; N], usize) -> f64,
+    (y, h): (&[f64; N], f64),
+    slopes: &[[f64; N]; STAGES],
+) -> [[f64; N]; STAGES] {
+    let all = N * STAGES;
+    let (mut matrix, mut right) = (vec![vec![0.0; all]; all], vec![0.0; all]);
+    for i in 0..STAGES {
+        let at = stage(a, y, h, slopes, i);
+        let here = rates(&at);
+        for n in 0..N {
+            right[N * i + n] = here[n] - slopes[i][n];
+            matrix[N * i + n][N * i + n] += 1.0;
+        }
+        for by in 0..N {
+            let mut moved = at;
+            moved[by] += increment(&at, by);
+            let change = moved[by] - at[by];
+            let there = rates(&moved);
+            for n in 0..N {
+                let slope = (there[n] - here[n]) / change;
+                for j in 0..STAGES {
+                    matrix[N * i + n][N * j + by] -= h * a[i][j] * slope;
+                }
+            }
+        }
+    }
+    let mut rows: Vec<&mut [f64]> = matrix.iter_mut().map(|row| &mut row[..]).collect();
+    eliminate(&mut rows, &mut right);
+    std::array::from_fn(|i| std::array::from_fn(|n| right[N * i + n]))
+}
+
 /// Solves a linear system by elimination with pivots.
 pub fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     let mut rows: Vec<&mut [f64]> = a.iter_mut().map(|row| &mut row[..]).collect();

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use stick_slip::nalgebra::DMatrix;
+use stick_slip::structure::State;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, Directional, Drive, Dwell, Error, Exponential,
     Freewheel, FrictionLaw, LuGre, Polynomial, RateState, Rational, Scalar, Stop, Structure,
@@ -109,6 +110,19 @@ pub fn structure(system: &Value, parameter: f64) -> Structure {
         },
         parameter,
     )
+}
+
+/// A state of a case of rate-and-state friction. A contact without a state variable has a memory
+/// without use.
+pub fn remembered(case: &Value, value: &Value) -> State {
+    let mut phi = numbers(&value["phi"]).into_iter();
+    let contacts = list(&case["system"]["contacts"]).iter();
+    let memory = contacts.map(|contact| match text(&contact["law"]) {
+        "rate_state" => phi.next().unwrap(),
+        _ => 0.0,
+    });
+    let memory: Vec<f64> = memory.collect();
+    State::new(&numbers(&value["q"]), &numbers(&value["v"])).with_memory(&memory)
 }
 
 /// The system of a case whose contacts remember.

@@ -6,7 +6,7 @@ use stick_slip::structure::State;
 use stick_slip::{Contact, Error, Integrator, RateState, Structure};
 
 use crate::common::{Worst, list, number, text};
-use crate::reading::{cases, numbers, remembering};
+use crate::reading::{cases, numbers, remembered, remembering};
 use crate::references::period;
 
 #[test]
@@ -15,15 +15,7 @@ fn cycles_have_the_reference_periods_extremes_and_multipliers() {
     for case in cases(include_str!("../data/rate_state_cycles.json")) {
         let id = text(&case["id"]);
         let system = remembering(&case["system"]);
-        let start = &case["start"];
-        let mut phi = numbers(&start["phi"]).into_iter();
-        let contacts = list(&case["system"]["contacts"]).iter();
-        let memory = contacts.map(|contact| match text(&contact["law"]) {
-            "rate_state" => phi.next().unwrap(),
-            _ => 0.0,
-        });
-        let memory: Vec<f64> = memory.collect();
-        let guess = State::new(&numbers(&start["q"]), &numbers(&start["v"])).with_memory(&memory);
+        let guess = remembered(&case, &case["start"]);
         let orbit = shoot(&system, &guess, period(&case)).unwrap();
         let mut worst = Worst::default();
         worst.meet("period", orbit.period(), number(&case["period"]));

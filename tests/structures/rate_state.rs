@@ -9,7 +9,7 @@ use stick_slip::{
 };
 
 use crate::common::{Random, Worst, apart, exactly, kind, list, number, refused, text};
-use crate::reading::{cases, numbers, remembering};
+use crate::reading::{cases, remembered as state, remembering};
 
 type Made = fn(f64, f64, f64, f64, f64) -> Result<RateState, Error>;
 
@@ -18,18 +18,6 @@ const LAWS: [Made; 2] = [RateState::aging, RateState::slip];
 
 fn trajectories() -> Vec<Value> {
     cases(include_str!("../data/rate_state_trajectories.json"))
-}
-
-/// A state of a case. The contacts without a state variable have a memory without use.
-fn state(case: &Value, value: &Value) -> State {
-    let mut phi = numbers(&value["phi"]).into_iter();
-    let contacts = list(&case["system"]["contacts"]).iter();
-    let memory = contacts.map(|contact| match text(&contact["law"]) {
-        "rate_state" => phi.next().unwrap(),
-        _ => 0.0,
-    });
-    let memory: Vec<f64> = memory.collect();
-    State::new(&numbers(&value["q"]), &numbers(&value["v"])).with_memory(&memory)
 }
 
 fn meet(worst: &mut Worst, what: &str, found: &State, expected: &State) {

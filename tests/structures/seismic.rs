@@ -6,7 +6,7 @@ use stick_slip::analysis::rate_state::first_integral;
 use stick_slip::structure::{State, Step};
 use stick_slip::{Contact, Error, Integrator, RateState, Segment, Structure, Trajectory};
 
-use crate::common::radau::{Matrix, STAGES, solve, weights};
+use crate::common::radau::{Matrix, STAGES, corrections, end, weights};
 use crate::common::{Random, Worst, count, larger, list, number, text};
 use crate::reading::{cases, numbers, remembering};
 
@@ -196,7 +196,6 @@ fn first_integrals_drift_in_proportion_to_the_mass() {
 
 /// Sliders beside each other, in their displacements, the logarithms of their speeds and φ.
 struct Sliders {
-    law: RateState,
     aging: bool,
     numbers: [f64; 5],
     load: f64,
@@ -232,39 +231,17 @@ impl Sliders {
 
     /// One step of Radau IIA, or `None` if Newton's method fails.
     fn step(&self, y: &Six, h: f64) -> Option<Six> {
-        const ALL: usize = 6 * STAGES;
-        let a = &self.weights;
+        let rates = |y: &Six| self.rates(y);
+        let increment = |at: &Six, by: usize| 1e-7 * at[by].abs().max(1e-3);
         let mut slopes = [[0.0; 6]; STAGES];
         for _ in 0..25 {
-            let (mut matrix, mut right) = ([[0.0; ALL]; ALL], [0.0; ALL]);
-            for i in 0..STAGES {
-                let at: Six = std::array::from_fn(|n| {
-                    y[n] + h * (0..STAGES).map(|j| a[i][j] * slopes[j][n]).sum::<f64>()
-                });
-                let rates = self.rates(&at);
-                for n in 0..6 {
-                    right[6 * i + n] = rates[n] - slopes[i][n];
-                    matrix[6 * i + n][6 * i + n] += 1.0;
-                }
-                for by in 0..6 {
-                    let mut moved = at;
-                    moved[by] += 1e-7 * at[by].abs().max(1e-3);
-                    let there = self.rates(&moved);
-                    for n in 0..6 {
-                        let slope = (there[n] - rates[n]) / (moved[by] - at[by]);
-                        for j in 0..STAGES {
-                            matrix[6 * i + n][6 * j + by] -= h * a[i][j] * slope;
-                        }
-                    }
-                }
-            }
-            let change = solve(matrix, right);
+            let change = corrections(&self.weights, &rates, &increment, (y, h), &slopes);
             let mut largest = 0.0;
-            for (i, slopes) in slopes.iter_mut().enumerate() {
-                for (n, slope) in slopes.iter_mut().enumerate() {
-                    *slope += change[6 * i + n];
+            for (slopes, change) in std::iter::zip(&mut slopes, change) {
+                for n in 0..6 {
+                    slopes[n] += change[n];
                     let size = if n < 2 { y[n].abs().max(1e-300) } else { 1.0 };
-                    largest = larger(largest, (h * change[6 * i + n] / size).abs());
+                    largest = larger(largest, (h * change[n] / size).abs());
                 }
             }
             if largest.is_nan() || largest > 1e3 {
@@ -274,10 +251,7 @@ impl Sliders {
                 break;
             }
         }
-        Some(std::array::from_fn(|n| {
-            let last = (0..STAGES).map(|j| a[STAGES - 1][j] * slopes[j][n]);
-            y[n] + h * last.sum::<f64>()
-        }))
+        Some(end(&self.weights, y, h, &slopes))
     }
 
     /// Steps over a time, each as long as two halves agree with it.
@@ -359,7 +333,6 @@ fn random_sliders_move_as_by_an_implicit_method() {
             })
             .unwrap();
         let sliders = Sliders {
-            law,
             aging,
             numbers,
             load,
@@ -369,7 +342,7 @@ fn random_sliders_move_as_by_an_implicit_method() {
             plate,
             weights: weights(),
         };
-        let steady = load * sliders.law.steady(plate) / own;
+        let steady = load * law.steady(plate) / own;
         let phi = [0.0, 0.1].map(|by| law.memory_at(plate) + random.uniform(-1.5, 1.5) + by);
         let start = |by: f64| {
             State::new(&[0.98 * steady, steady], &[0.0; 2]).with_memory(&[phi[0] + by, phi[1]])

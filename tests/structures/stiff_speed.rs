@@ -1,7 +1,7 @@
 //! Contacts whose friction rises so steeply with the sliding speed that slip settles on a slow
 //! manifold: in a structure as on a belt, and in structures of several masses.
 
-use crate::common::radau::{Matrix, STAGES, solve, weights};
+use crate::common::radau::{Matrix, STAGES, corrections, end, weights};
 use crate::common::{Random, Worst, count};
 use stick_slip::structure::State;
 use stick_slip::{
@@ -211,55 +211,22 @@ impl Pair {
 
     /// One step of Radau's method, by Newton's method.
     fn step(&self, y: &mut [f64; 4], h: f64) {
-        let a = &self.weights;
+        let rates = |y: &[f64; 4]| self.rates(y);
+        // Relative to the sliding speed, the law's argument.
+        let increment = |at: &[f64; 4], by: usize| match by {
+            0 | 1 => 1e-6,
+            _ => 1e-6 * (at[by] - self.belts[by - 2]).abs(),
+        };
         let mut slopes = [self.rates(y); STAGES];
         for _ in 0..20 {
-            let stage = |slopes: &[[f64; 4]; STAGES], i: usize| -> [f64; 4] {
-                std::array::from_fn(|n| {
-                    let sum = (0..STAGES).map(|j| a[i][j] * slopes[j][n]);
-                    y[n] + h * sum.sum::<f64>()
-                })
-            };
-            let mut matrix = [[0.0; 4 * STAGES]; 4 * STAGES];
-            let mut right = [0.0; 4 * STAGES];
-            for i in 0..STAGES {
-                let at = stage(&slopes, i);
-                let rates = self.rates(&at);
-                for n in 0..4 {
-                    right[4 * i + n] = rates[n] - slopes[i][n];
-                    matrix[4 * i + n][4 * i + n] += 1.0;
-                }
-                for by in 0..4 {
-                    // Relative to the sliding speed, the law's argument.
-                    let size = if by < 2 {
-                        1.0
-                    } else {
-                        (at[by] - self.belts[by - 2]).abs()
-                    };
-                    let mut moved = at;
-                    moved[by] += 1e-6 * size;
-                    let change = moved[by] - at[by];
-                    let rates_there = self.rates(&moved);
-                    for n in 0..4 {
-                        let slope = (rates_there[n] - rates[n]) / change;
-                        for j in 0..STAGES {
-                            matrix[4 * i + n][4 * j + by] -= h * a[i][j] * slope;
-                        }
-                    }
-                }
-            }
-            let change = solve(matrix, right);
-            for (i, slopes) in slopes.iter_mut().enumerate() {
-                for (n, slope) in slopes.iter_mut().enumerate() {
-                    *slope += change[4 * i + n];
+            let change = corrections(&self.weights, &rates, &increment, (y, h), &slopes);
+            for (slopes, change) in std::iter::zip(&mut slopes, change) {
+                for (slope, change) in std::iter::zip(slopes, change) {
+                    *slope += change;
                 }
             }
         }
-        let last = STAGES - 1;
-        *y = std::array::from_fn(|n| {
-            let sum = (0..STAGES).map(|j| a[last][j] * slopes[j][n]);
-            y[n] + h * sum.sum::<f64>()
-        });
+        *y = end(&self.weights, y, h, &slopes);
     }
 }
 
