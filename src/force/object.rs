@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 use crate::scalar::dual::Dual;
 use crate::scalar::jet::{Jet, Tape};
 use crate::scalar::lanes::LANES;
+use crate::scalar::recorded::{Output, Recorder};
 use crate::series::PowerSeries;
 use crate::series::many::{Block, GROUPS, values_of};
 
@@ -52,6 +53,9 @@ pub(crate) trait ForceObject {
         place: Place<'_, PowerSeries>,
         forces: &mut [PowerSeries],
     );
+    /// The operations that give F_i at the start of a motion, from the positions and then the
+    /// velocities.
+    fn record(&self, recorder: &mut Recorder, place: Place<'_, PowerSeries>, i: usize) -> Output;
     /// Adds, for each F_i, the largest |D| |F_i(x(t), y(t)) − F_i(t)| in each group of four times
     /// to one of its sums: `kinds` has the number of the sum for each group.
     fn add_defects(&self, along: Along<'_>, times: &Block, kinds: &[usize], sums: &mut [[f64; 3]]);
@@ -168,6 +172,14 @@ impl<L: Forces + 'static> ForceObject for L {
                 series[k] = force.coefficient();
             }
         });
+    }
+
+    fn record(&self, recorder: &mut Recorder, place: Place<'_, PowerSeries>, i: usize) -> Output {
+        let count = self.count();
+        let recorder = recorder.begin(2 * count);
+        let x = Variables::from_fn(|j| recorder.input(j, place.positions[j][0]));
+        let y = Variables::from_fn(|j| recorder.input(count + j, place.velocities[j][0]));
+        self.at(x, y, place.piece).as_ref()[i].output()
     }
 
     fn add_defects(&self, along: Along<'_>, times: &Block, kinds: &[usize], sums: &mut [[f64; 3]]) {

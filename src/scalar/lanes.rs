@@ -28,7 +28,9 @@ pub(crate) struct Chunk {
     rests: Vec<Lanes>,
     /// Row and factor of the result; the factor is 0 in a lane that is not in use.
     output: (u16, Lanes),
-    /// Row and factor of the rate of each input.
+    /// Number of the inputs beside the argument.
+    inputs: usize,
+    /// Row and factor of the rate of each input that has one.
     rates: Vec<(u16, Lanes)>,
 }
 
@@ -39,12 +41,14 @@ impl Chunk {
             rows: Vec::new(),
             rests: Vec::new(),
             output: (0, [0.0; LANES]),
+            inputs: 0,
             rates: Vec::new(),
         }
     }
 
     /// Takes the function that was recorded into a lane, after all others are removed.
     pub(crate) fn begin(&mut self, lane: usize, recorder: &mut Recorder, output: Output) {
+        self.inputs = recorder.inputs();
         let rates = recorder.rates().iter();
         self.rates.clear();
         self.rates
@@ -69,8 +73,10 @@ impl Chunk {
     pub(crate) fn take(&mut self, lane: usize, recorder: &mut Recorder, output: Output) -> bool {
         let rates = recorder.rates().iter().map(|rate| rate.row);
         let has_rates = rates.eq(self.rates.iter().map(|&(row, _)| row));
+        let inputs = recorder.inputs();
         let notes = recorder.notes();
         let is_same = self.output.0 == output.row
+            && self.inputs == inputs
             && has_rates
             && self.operations.len() == notes.len()
             && std::iter::zip(&self.operations, notes).all(|(own, note)| own.0 == note.operation);
@@ -93,9 +99,8 @@ impl Chunk {
         self.output.1[lane] = output.scale;
     }
 
-    /// Number of the inputs beside the argument.
-    #[inline(always)]
-    pub(crate) fn inputs(&self) -> usize {
+    /// Number of the inputs that have rates.
+    pub(crate) fn rates(&self) -> usize {
         self.rates.len()
     }
 
@@ -105,8 +110,7 @@ impl Chunk {
     }
 
     pub(crate) fn inputs_mut(&mut self) -> &mut [Row] {
-        let count = self.inputs();
-        &mut self.rows[usize::from(INPUTS)..][..count]
+        &mut self.rows[usize::from(INPUTS)..][..self.inputs]
     }
 
     /// Coefficient k of the rate of an input.
@@ -118,7 +122,7 @@ impl Chunk {
     /// The row of the first operation.
     #[inline(always)]
     fn first(&self) -> usize {
-        usize::from(INPUTS) + self.inputs()
+        usize::from(INPUTS) + self.inputs
     }
 
     /// Coefficient k > 0 of the functions from that of their arguments and inputs, added to
@@ -133,7 +137,7 @@ impl Chunk {
         arguments: Lanes,
         others: Lanes,
     ) -> Lanes {
-        let inputs = if HAS_INPUTS { self.inputs() } else { 0 };
+        let inputs = if HAS_INPUTS { self.inputs } else { 0 };
         let first = usize::from(INPUTS) + inputs;
         let (rows, rests) = (&mut self.rows[..], &mut self.rests[..]);
         rows[usize::from(ARGUMENT)][k] = arguments;

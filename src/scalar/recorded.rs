@@ -131,6 +131,11 @@ impl Recorder {
         self.rates.borrow_mut().push(rate.output());
     }
 
+    /// Number of the further inputs.
+    pub(crate) fn inputs(&self) -> usize {
+        usize::from(self.inputs)
+    }
+
     pub(crate) fn notes(&mut self) -> &[Note] {
         self.notes.get_mut()
     }

@@ -132,7 +132,9 @@ fn a_block_under_an_oblique_spring_turns_where_energy_says() {
                 let to = event.state.displacements[0];
                 let loss = mu * (pressed(to) - pressed(from)).abs();
                 let left = energy(from) - energy(to) - loss;
-                let opens = motion.events().iter().any(|e| e.kind == EventKind::Open);
+                // Without a load nothing is lost: also at a start with an open contact.
+                let is_open = |e: &Event<_>| matches!(e.kind, EventKind::Open | EventKind::Close);
+                let opens = motion.events().iter().any(is_open);
                 assert!(
                     opens || left.abs() < 1e-13 * energy(from).max(1.0),
                     "{left:e}"

@@ -47,6 +47,15 @@ impl ElementSeries {
         }
     }
 
+    /// The series that the law depends on, and its piece.
+    pub(super) fn place(&self) -> Place<'_, PowerSeries> {
+        Place {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            piece: self.piece,
+        }
+    }
+
     /// Returns true if no position changes: the force is constant but for its factor.
     pub(super) fn rests(&self) -> bool {
         let is_zero = |velocity: &PowerSeries| velocity.first_nonzero().is_none();

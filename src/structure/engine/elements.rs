@@ -80,7 +80,8 @@ pub(super) fn watch(model: &Model<'_>, series: &mut Series, orders: Range<usize>
         states,
         ..
     } = series;
-    for (element, of) in std::iter::zip(&model.elements, elements) {
+    let elements = std::iter::zip(&model.elements, elements);
+    for (element, of) in elements.filter(|(_, of)| !of.acts) {
         for k in orders.clone() {
             of.follow(element, (coordinates, states), k);
         }

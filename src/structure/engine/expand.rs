@@ -186,7 +186,6 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     };
     let are_grouped = orders.end == ALL
         && series.groups.is_some()
-        && !is_pushed
         && !is_delicate
         && series.contacts.iter().enumerate().all(is_grouped);
     if are_grouped {
@@ -234,6 +233,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
     let Series {
         coordinates,
         contacts,
+        elements,
         groups: Some(groups),
         ..
     } = series
@@ -280,7 +280,26 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             groups.drive(number, &PowerSeries::ZERO, Some(&of.surface));
         }
     }
+    for place in 0..groups.forces() {
+        let [e, _] = groups.force(place);
+        if elements[e].acts {
+            groups.push(place, &model.elements[e], &elements[e]);
+        }
+    }
     groups.expand();
+    for place in 0..groups.forces() {
+        let [e, i] = groups.force(place);
+        if elements[e].acts {
+            let found = groups.member(groups.number_of_force(place));
+            found.give_force(&mut elements[e], i);
+            let (of, response) = (&elements[e], &model.elements[e].responses[i]);
+            for &(j, x) in response {
+                for k in 1..ALL {
+                    coordinates[j].force[k] -= x * (of.factor[0] * of.forces[i][k]);
+                }
+            }
+        }
+    }
     for (i, coordinate) in coordinates.iter_mut().enumerate() {
         let found = groups.member(i);
         if let Some(c) = model.owner[i] {

@@ -20,6 +20,10 @@
 //! ```
 //!
 //! A memory z follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
+//!
+//! The forces of force elements have groups, too: m_k is order k of F_i, whose inputs are the
+//! positions and velocities along the directions of the element, and ℓ = D m_k with a constant
+//! factor D.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -27,25 +31,27 @@ use std::ops::Range;
 use super::contact::ContactData;
 use super::contact_series::{ContactSeries, StepMode, correction};
 use super::coordinate_series::{ALL, DisplacementSeries};
+use super::element::ElementData;
+use super::element_series::ElementSeries;
 use super::model::Model;
 use crate::scalar::fused;
 use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, plus, times};
-use crate::scalar::recorded::Recorder;
+use crate::scalar::recorded::{Output, Recorder};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// Number of groups of a long chain that are expanded to the last order before the next are begun:
 /// see [`Waves`].
 const AT_A_TIME: usize = 4;
 
-/// The groups of coordinates and their own contacts, then those of [all other
-/// contacts](Model::unowned).
+/// The groups of coordinates and their own contacts, those of [all other
+/// contacts](Model::unowned), and those of the forces of elements.
 #[derive(Debug, Clone)]
 pub(super) struct Groups {
     fixed: Fixed,
     series: GroupSeries,
     recorder: Recorder,
-    /// True if a contact that slips has a memory.
-    remembers: bool,
+    /// True if a contact that slips has a memory, or an element acts.
+    has_inputs: bool,
 }
 
 /// The data that are constant in a motion.
@@ -55,6 +61,11 @@ struct Fixed {
     rows: Vec<Rows>,
     /// The directions b of each group of contacts without a coordinate of their own.
     directions: Vec<Columns>,
+    /// The forces of elements: F_i by its element and i.
+    forces: Vec<[usize; 2]>,
+    /// The directions of the elements of each group of forces: the first of each, the second, and
+    /// so on.
+    inputs: Vec<Vec<Columns>>,
     waves: Waves,
 }
 
@@ -67,7 +78,7 @@ struct Rows {
     /// The diagonals of M⁻¹K and M⁻¹C, and the columns beside them that are not 0.
     diagonal: [Lanes; 2],
     beside: [Columns; 2],
-    /// x_c of the contacts without a coordinate of their own.
+    /// x_c of the contacts without a coordinate of their own, and of the forces of elements.
     responses: Columns,
 }
 
@@ -95,13 +106,13 @@ struct GroupSeries {
     groups: Vec<Group>,
 }
 
-/// A group: a contact in each lane, or none.
+/// A group: a contact or a force of an element in each lane, or none.
 #[derive(Debug, Clone)]
 struct Group {
     side: Lanes,
     load: Lanes,
     speeds: [Lanes; TERMS],
-    /// m, or T of an elastic contact.
+    /// m, T of an elastic contact, or F_i of an element.
     friction: [Lanes; TERMS],
     /// True if a slider of the group is at rest: then k_t of each, and 0 in other lanes.
     is_elastic: bool,
@@ -166,6 +177,26 @@ impl Groups {
                 responses[j].push((count * LANES + place, x));
             }
         }
+        let first_force = (count + unowned.len().div_ceil(LANES)) * LANES;
+        let mut forces = Vec::new();
+        for (e, element) in model.elements.iter().enumerate() {
+            for (i, response) in element.responses.iter().enumerate() {
+                for &(j, x) in response {
+                    responses[j].push((first_force + forces.len(), x));
+                }
+                forces.push([e, i]);
+            }
+        }
+        let inputs = forces.chunks(LANES).map(|forces| {
+            let directions = |&[e, _]: &[usize; 2]| &model.elements[e].directions[..];
+            let most = forces.iter().map(|force| directions(force).len()).max();
+            let of = |number: usize| {
+                let direction = |force| directions(force).get(number).map_or(&[][..], |of| of);
+                columns(forces.iter().map(direction))
+            };
+            (0..most.unwrap_or(0)).map(of).collect()
+        });
+        let inputs: Vec<Vec<Columns>> = inputs.collect();
         let matrices = [&model.stiffness, &model.damping];
         let rows = (0..count).map(|group| {
             let own = group * LANES..model.len().min((group + 1) * LANES);
@@ -202,8 +233,8 @@ impl Groups {
             relaxation: [0.0; LANES],
         };
         let directions: Vec<Columns> = directions.collect();
-        // Contacts may couple any coordinates.
-        let at_a_time = if directions.is_empty() {
+        // Contacts and elements may couple any coordinates.
+        let at_a_time = if directions.is_empty() && forces.is_empty() {
             AT_A_TIME
         } else {
             count
@@ -211,15 +242,17 @@ impl Groups {
         Self {
             series: GroupSeries {
                 motions: vec![[[0.0; LANES]; TERMS + 1]; count],
-                groups: vec![group; count + directions.len()],
+                groups: vec![group; count + directions.len() + inputs.len()],
             },
             fixed: Fixed {
                 rows: rows.collect(),
                 directions,
+                forces,
+                inputs,
                 waves: Waves::new(count, at_a_time, model.bandwidth.div_ceil(LANES)),
             },
             recorder: Recorder::default(),
-            remembers: false,
+            has_inputs: false,
         }
     }
 
@@ -229,9 +262,25 @@ impl Groups {
         self.series.motions.len() * LANES + place
     }
 
+    /// Number of the forces of elements.
+    pub(super) fn forces(&self) -> usize {
+        self.fixed.forces.len()
+    }
+
+    /// The element of a force, from the place of the force among them, and the number i of its
+    /// direction.
+    pub(super) fn force(&self, place: usize) -> [usize; 2] {
+        self.fixed.forces[place]
+    }
+
+    /// The number of a force of an element.
+    pub(super) fn number_of_force(&self, place: usize) -> usize {
+        self.fixed.first_force() + place
+    }
+
     /// Begins a step: nothing moves, and nothing is driven.
     pub(super) fn clear(&mut self) {
-        self.remembers = false;
+        self.has_inputs = false;
         for group in &mut self.series.groups {
             (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
             (group.is_driven, group.relaxation) = (false, [0.0; LANES]);
@@ -265,20 +314,11 @@ impl Groups {
         let memory = &|j: usize| of.memories[j][0];
         let law = contact.law;
         let output = law.record(&mut self.recorder, of.slip(0), load, memory);
-        let mut open = group.chunks[..group.used].iter_mut();
-        let place = open.position(|chunk| chunk.take(lane, &mut self.recorder, output));
-        let place = place.unwrap_or_else(|| {
-            if group.used == group.chunks.len() {
-                group.chunks.push(Chunk::new());
-            }
-            group.chunks[group.used].begin(lane, &mut self.recorder, output);
-            group.used += 1;
-            group.used - 1
-        });
+        let place = group.take(lane, &mut self.recorder, output);
         if of.memories.is_empty() {
             return;
         }
-        self.remembers = true;
+        self.has_inputs = true;
         (group.chunk_of[lane], group.relaxation[lane]) = (place, of.relaxation);
         let inputs = group.chunks[place].inputs_mut();
         for (row, memory) in std::iter::zip(inputs, &of.memories) {
@@ -286,6 +326,17 @@ impl Groups {
                 row[k][lane] = memory[k];
             }
         }
+    }
+
+    /// Sets a force of an element that acts.
+    pub(super) fn push(&mut self, place: usize, element: &ElementData<'_>, of: &ElementSeries) {
+        let Slot { group, lane } = Slot::of(self.number_of_force(place));
+        let [_, i] = self.force(place);
+        let group = &mut self.series.groups[group];
+        (group.side[lane], group.load[lane]) = (1.0, of.factor[0]);
+        self.has_inputs = true;
+        let output = element.law.record(&mut self.recorder, of.place(), i);
+        group.chunk_of[lane] = group.take(lane, &mut self.recorder, output);
     }
 
     /// Sets an elastic contact: its stiffness and the sign of y, which are k_t and 1 while its
@@ -324,8 +375,9 @@ impl Groups {
     /// Computes all orders after the first.
     pub(super) fn expand(&mut self) {
         let (fixed, series) = (&self.fixed, &mut self.series);
-        // Code for contacts without memory that have a coordinate each is faster.
-        if self.remembers || !fixed.directions.is_empty() {
+        // Code for laws of the sliding speed alone, of contacts that have a coordinate each, is
+        // faster.
+        if self.has_inputs || !fixed.directions.is_empty() {
             fused::compute(
                 fixed,
                 series,
@@ -347,6 +399,29 @@ impl Groups {
             group: &self.series.groups[slot.group],
             slot,
         }
+    }
+}
+
+impl Fixed {
+    /// The number of the first force of the elements.
+    fn first_force(&self) -> usize {
+        (self.rows.len() + self.directions.len()) * LANES
+    }
+}
+
+impl Group {
+    /// Takes a recorded law into a lane, and returns the number of its chunk.
+    fn take(&mut self, lane: usize, recorder: &mut Recorder, output: Output) -> usize {
+        let mut open = self.chunks[..self.used].iter_mut();
+        let place = open.position(|chunk| chunk.take(lane, recorder, output));
+        place.unwrap_or_else(|| {
+            if self.used == self.chunks.len() {
+                self.chunks.push(Chunk::new());
+            }
+            self.chunks[self.used].begin(lane, recorder, output);
+            self.used += 1;
+            self.used - 1
+        })
     }
 }
 
@@ -372,6 +447,23 @@ impl Member<'_> {
             for k in 1..TERMS {
                 memory[k] = input[k][lane];
             }
+        }
+    }
+
+    /// Copies the series of F_i of an element, and of its positions and velocities, from order 1
+    /// on.
+    pub(super) fn give_force(&self, of: &mut ElementSeries, i: usize) {
+        let lane = self.slot.lane % LANES;
+        let chunk = &self.group.chunks[self.group.chunk_of[lane]];
+        let motion = of.positions.iter_mut().chain(&mut of.velocities);
+        for (number, series) in motion.enumerate() {
+            let input = chunk.input(number);
+            for k in 1..ALL {
+                series[k] = input[k][lane];
+            }
+        }
+        for k in 1..ALL {
+            of.forces[i][k] = self.group.friction[k][lane];
         }
     }
 
@@ -478,14 +570,18 @@ impl GroupSeries {
         // Tells the compiler which coefficients there are.
         let k = k.min(ALL - 1);
         let own = fixed.waves.places(start, k - 1);
-        let unowned = self.motions.len()..self.groups.len();
+        let others = self.motions.len()..self.groups.len();
         if EXTENDED {
+            let first_force = fixed.first_force() / LANES;
             // Not a chain of ranges: its body would be compiled twice.
-            for place in 0..own.len() + unowned.len() {
+            for place in 0..own.len() + others.len() {
                 let g = match place.checked_sub(own.len()) {
                     None => own.start + place,
-                    Some(place) => unowned.start + place,
+                    Some(place) => others.start + place,
                 };
+                if let Some(group) = g.checked_sub(first_force) {
+                    self.input_order::<CHOSEN>(k, &fixed.inputs[group], g);
+                }
                 self.friction_order::<CHOSEN, EXTENDED>(k, g);
             }
         }
@@ -496,8 +592,31 @@ impl GroupSeries {
             self.motion_order::<CHOSEN, EXTENDED>(k, &fixed.rows[g], g);
         }
         if EXTENDED {
-            for (g, directions) in std::iter::zip(unowned, &fixed.directions) {
+            for (g, directions) in std::iter::zip(others, &fixed.directions) {
                 self.slip_order::<CHOSEN>(k, directions, g);
+            }
+        }
+    }
+
+    /// Order k > 0 of the inputs of a group of forces.
+    #[inline(always)]
+    fn input_order<const CHOSEN: bool>(&mut self, k: usize, directions: &[Columns], g: usize) {
+        for (number, columns) in directions.iter().enumerate() {
+            let [mut position, mut velocity] = [[0.0; LANES]; 2];
+            for &(Slot { group, lane }, entries) in columns {
+                let motion = &self.motions[group];
+                position = mul_add::<CHOSEN>([motion[k][lane]; LANES], entries, position);
+                velocity = mul_add::<CHOSEN>([motion[k + 1][lane]; LANES], entries, velocity);
+            }
+            // Number k of a displacement is k q_k.
+            position = times([INTEGRAL[k - 1]; LANES], position);
+            let group = &mut self.groups[g];
+            for chunk in &mut group.chunks[..group.used] {
+                let inputs = chunk.inputs_mut();
+                let (positions, velocities) = inputs.split_at_mut(inputs.len() / 2);
+                if number < positions.len() {
+                    (positions[number][k], velocities[number][k]) = (position, velocity);
+                }
             }
         }
     }
@@ -511,7 +630,8 @@ impl GroupSeries {
             let mut is_relaxed = false;
             friction = loop {
                 let sum = chunk.order::<CHOSEN, EXTENDED>(k, group.speeds[k], friction);
-                if !EXTENDED || memory_order(chunk, k, &group.relaxation, &mut is_relaxed) {
+                let remembers = EXTENDED && chunk.rates() > 0;
+                if !remembers || memory_order(chunk, k, &group.relaxation, &mut is_relaxed) {
                     break sum;
                 }
             };
@@ -591,7 +711,7 @@ impl GroupSeries {
 #[inline(never)]
 fn memory_order(chunk: &mut Chunk, k: usize, relaxation: &Lanes, is_relaxed: &mut bool) -> bool {
     let is_last = std::mem::replace(is_relaxed, true) || *relaxation == [0.0; LANES];
-    for j in 0..chunk.inputs() {
+    for j in 0..chunk.rates() {
         let rate = chunk.rate(j, k);
         let memory = &mut chunk.inputs_mut()[j];
         for lane in 0..LANES {

@@ -30,9 +30,8 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    /// Present if all loads are constant, no contact has a normal spring, so that none opens, and
-    /// there are no force elements and no first-order states. A stop that is closed acts on no
-    /// group.
+    /// Present if all loads and all factors of elements are constant, no contact has a normal
+    /// spring, so that none opens, and there are no first-order states.
     pub(super) groups: Option<Groups>,
     /// The expander of a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -47,7 +46,7 @@ impl Series {
             .iter()
             .any(|contact| !contact.reaction.is_empty());
         let is_simple = !has_springs
-            && model.first_stop() == 0
+            && model.elements.iter().all(|of| of.factor.is_constant())
             && model.first_order.is_empty()
             && contacts.iter().all(|of| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
