@@ -1,5 +1,5 @@
 //! A flow allocates nothing after its first step, whatever the law; that of a structure no more
-//! than the step that it hands out.
+//! than the step that it hands out. A branch keeps its results alone.
 //!
 //! Only an allocator of its own can count, and the trait of allocators is unsafe: this one file may
 //! write `unsafe`.
@@ -8,6 +8,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use stick_slip::orbit::{self, Period};
 use stick_slip::{
     AnyContactLaw, Contact, Coulomb, Drive, Dwell, Exponential, ForceElement, FrictionLaw,
     Integrator, LuGre, MassOnBelt, Pendulum, PolynomialSpring, Scalar, Segment, State, Structure,
@@ -20,26 +21,32 @@ struct Counting;
 
 thread_local! {
     static CALLS: Cell<usize> = const { Cell::new(0) };
+    /// Bytes in use, and the most that there were.
+    static BYTES: Cell<isize> = const { Cell::new(0) };
+    static MOST_BYTES: Cell<isize> = const { Cell::new(0) };
 }
 
-fn count() {
-    CALLS.with(|calls| calls.set(calls.get() + 1));
+/// Counts a call that takes a number of bytes and gives another back.
+fn count(taken: usize, given: usize) {
+    CALLS.set(CALLS.get() + 1);
+    BYTES.set(BYTES.get() + taken.cast_signed() - given.cast_signed());
+    MOST_BYTES.set(MOST_BYTES.get().max(BYTES.get()));
 }
 
 // SAFETY: every call is passed on to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
+        count(layout.size(), 0);
         // SAFETY: the caller keeps the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        count();
+        count(0, layout.size());
         // SAFETY: the caller keeps the contract of `dealloc`.
         unsafe { System.dealloc(pointer, layout) }
     }
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
+        count(size, layout.size());
         // SAFETY: the caller keeps the contract of `realloc`.
         unsafe { System.realloc(pointer, layout, size) }
     }
@@ -234,4 +241,36 @@ fn force_elements_allocate_a_list_for_each_step() {
             assert!(made <= copied + 2, "{made} and {copied}");
         }
     }
+}
+
+/// The steps of the motions along a branch would fill 30 times as much as its results.
+#[test]
+fn a_branch_keeps_its_results_alone() {
+    const MASSES: usize = 10;
+    let chain = |frequency: f64| {
+        let mut chain = Structure::new(&[1.0; MASSES])?
+            .with_ground_spring(0, 1.0)?
+            .with_force(MASSES - 1, Drive::sine(1.0, frequency)?)?;
+        for i in 0..MASSES {
+            let contact = Contact::new(i, Coulomb::new(0.3, 0.2)?, 0.1)?;
+            chain = chain.with_ground_damper(i, 0.1)?.with_contact(contact)?;
+            if i > 0 {
+                chain = chain.with_spring(i - 1, i, 1.0)?;
+            }
+        }
+        Ok::<_, stick_slip::Error>(chain)
+    };
+    let rest = structure::State::at_rest(MASSES);
+    let first = orbit::settle(&chain(0.5).unwrap(), &rest, 400.0, Period::Driven(1)).unwrap();
+    let steps = first.trajectory().steps().len();
+    let series = steps * MASSES * 27 * size_of::<f64>();
+    let before = BYTES.get();
+    MOST_BYTES.set(before);
+    let branch = orbit::follow(chain, 0.5, &first, 0.45..0.55).unwrap();
+    let [kept, most] = [BYTES.get(), MOST_BYTES.get()].map(|bytes| (bytes - before) as usize);
+    let motions = branch.points.len() + branch.bifurcations.len();
+    println!("{motions} motions: {kept} bytes, {most} on the way; {series} for the series of one");
+    assert!(motions > 60);
+    assert!(kept / motions < series / 2);
+    assert!(most < 2 * kept + 60 * series);
 }

@@ -16,6 +16,7 @@ use super::map::{CLOSED, PeriodMap, vector};
 use super::oscillator::{Family, FamilyMember};
 use super::passage::{Events, events_of, held_steps};
 use super::period::Period;
+use super::periodic_orbit::Closed;
 use super::phase_condition::FrozenStart;
 use super::sequence::Sequence;
 use super::spectrum::spectrum;
@@ -167,6 +168,16 @@ impl Curve<'_> {
             "inside its range",
         )
         .and_then(|parameter| (self.family)(parameter))
+    }
+
+    /// A motion of the curve as a result.
+    pub(super) fn closed(&self, solved: &Solved) -> Result<Closed, Error> {
+        let parameter = self.parameter(&solved.y);
+        let find = || {
+            let system = (self.family)(parameter)?;
+            Closed::new(&*system, &system.form(), solved.trial.clone(), self.kind)
+        };
+        find().map_err(|error: Error| error.at("parameter", parameter))
     }
 
     /// The eigenvalues of steady sliding at a value of the parameter.
@@ -524,6 +535,11 @@ impl Curve<'_> {
             y[self.order] = period;
         }
         y[self.unknowns() - 1] = parameter;
+        self.guess_at(y, begin)
+    }
+
+    /// The same from all unknowns.
+    pub(super) fn guess_at(&self, y: DVector<f64>, begin: FrozenStart) -> Result<Solved, Error> {
         let trial = self.trial(&y, &begin)?;
         Ok(Solved {
             sequence: Sequence::of(&trial.map, trial.period),

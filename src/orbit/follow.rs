@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
-use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+use super::branch::{Bifurcation, Branch, BranchEnd, BranchPoint};
 use super::curve::{Curve, Solved};
 use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
-use super::periodic_orbit::Orbit;
+use super::periodic_orbit::{Closed, Orbit};
 use super::phase_condition::FrozenStart;
-use super::walk::{Walk, natural_scale};
+use super::walk::{Change, Walk, natural_scale};
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
@@ -136,7 +136,7 @@ impl Search<'_> {
         let found = self.over(&family, from.kind(), range.clone(), |curve| {
             search(curve, parameter, start)
         })?;
-        branch(&family, from.kind(), range, found)
+        found.branch(&family, range)
     }
 
     /// Uses the curve of the periodic motions of a family.
@@ -163,27 +163,32 @@ impl Search<'_> {
     }
 }
 
-/// The branch with its motions.
-fn branch<S: Oscillator>(
-    family: &Systems<'_, S>,
-    kind: Period,
-    range: Range<f64>,
-    found: Results,
-) -> Result<Branch<S::State>, Error> {
-    let orbit = |parameter: f64, solved: Solved| -> Result<Orbit<S::State>, Error> {
-        let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
-        Orbit::new(&system, &system.form(), solved.trial, kind)
-    };
-    let points = found.points.into_iter().map(|(parameter, solved)| {
-        let orbit = orbit(parameter, solved)?;
-        Ok(BranchPoint { parameter, orbit })
-    });
-    let points = points.collect::<Result<_, Error>>()?;
-    let bifurcations = found
-        .changes
-        .into_iter()
-        .map(|(behind, kind, (parameter, solved))| {
-            let orbit = orbit(parameter, solved)?;
+/// The results, each with its parameter.
+struct Results {
+    points: Vec<(f64, Closed)>,
+    changes: Vec<Change>,
+    ends: [BranchEnd; 2],
+}
+
+impl Results {
+    /// The branch in the states of its systems.
+    fn branch<S: Oscillator>(
+        self,
+        family: &Systems<'_, S>,
+        range: Range<f64>,
+    ) -> Result<Branch<S::State>, Error> {
+        let orbit = |parameter: f64, closed: Closed| {
+            let orbit = family(parameter).and_then(|system| closed.orbit(&system));
+            orbit.map_err(|error| error.at("parameter", parameter))
+        };
+        let points = self.points.into_iter().map(|(parameter, closed)| {
+            let orbit = orbit(parameter, closed)?;
+            Ok(BranchPoint { parameter, orbit })
+        });
+        let points = points.collect::<Result<_, Error>>()?;
+        let changes = self.changes.into_iter();
+        let bifurcations = changes.map(|(behind, kind, parameter, closed)| {
+            let orbit = orbit(parameter, closed)?;
             Ok(Bifurcation {
                 parameter,
                 kind,
@@ -192,19 +197,12 @@ fn branch<S: Oscillator>(
                 range: range.clone(),
             })
         });
-    Ok(Branch {
-        bifurcations: bifurcations.collect::<Result<_, Error>>()?,
-        points,
-        ends: found.ends,
-    })
-}
-
-/// The results with their parameters.
-struct Results {
-    points: Vec<(f64, Solved)>,
-    /// Each with the number of the last point before it.
-    changes: Vec<(usize, BifurcationKind, (f64, Solved))>,
-    ends: [BranchEnd; 2],
+        Ok(Branch {
+            bifurcations: bifurcations.collect::<Result<_, Error>>()?,
+            points,
+            ends: self.ends,
+        })
+    }
 }
 
 /// Continuation in both directions from a motion, given by its start and its period.
@@ -223,15 +221,7 @@ fn search(
     let inside = (low..=high).contains(&parameter);
     Error::check(name, "parameter", parameter, inside, "inside the range")?;
     let guess = anchor(&mut curve, parameter, &start, period)?;
-    let (points, changes, ends) = walks(&curve, &guess)?;
-    let of = |solved: Solved| (curve.parameter(&solved.y), solved);
-    let changes = changes.into_iter();
-    let changes = changes.map(|(behind, kind, solved)| (behind, kind, of(solved)));
-    Ok(Results {
-        changes: changes.collect(),
-        points: points.into_iter().map(of).collect(),
-        ends,
-    })
+    walks(&curve, &guess)
 }
 
 /// Sets the sizes of a curve to those of a motion, given by its start and its period; returns the
@@ -253,15 +243,11 @@ pub(super) fn anchor(
     curve.guess(&start, (period, parameter), begin)
 }
 
-type Changes = Vec<(usize, BifurcationKind, Solved)>;
-
-type BothDirections = (Vec<Solved>, Changes, [BranchEnd; 2]);
-
 /// Continuation in both directions from a motion near the curve.
-fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<BothDirections, Error> {
+fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
     let first = first(curve, guess)?;
     let first_scale = natural_scale(curve, &first);
-    let walk = |direction: f64| {
+    let walk = |direction: f64| -> Result<_, Error> {
         curve.tried.set(0);
         curve.steps.set(0);
         let mut walk = Walk {
@@ -273,30 +259,34 @@ fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<BothDirections, Error> {
         };
         let mut first = first.clone();
         first.tangent *= direction;
-        let end = walk.run(&first);
-        let found = walk.found.into_iter();
-        let found: Changes = found
-            .map(|(before, found)| (before, found.kind, found.solved))
-            .collect();
-        (walk.points, found, end)
+        let end = walk.run(&first)?;
+        let points = walk.points.into_iter();
+        let points: Vec<_> = points.map(|left| (left.parameter, left.closed)).collect();
+        Ok((points, walk.found, end))
     };
-    let (up, found_up, end_up) = walk(1.0);
-    let (mut points, mut found, end_down) = if end_up == BranchEnd::Closed {
+    let (up, found_up, end_up) = walk(1.0)?;
+    let (mut points, mut changes, end_down) = if end_up == BranchEnd::Closed {
         (Vec::new(), Vec::new(), BranchEnd::Closed)
     } else {
-        walk(-1.0)
+        walk(-1.0)?
     };
     points.reverse();
-    found.reverse();
+    changes.reverse();
     let below = points.len();
-    for found in &mut found {
-        found.0 = below.saturating_sub(found.0 + 1);
+    for change in &mut changes {
+        change.0 = below.saturating_sub(change.0 + 1);
     }
-    points.push(first);
+    points.push((curve.parameter(&first.y), curve.closed(&first)?));
     points.extend(up);
     let found_up = found_up.into_iter();
-    found.extend(found_up.map(|(before, kind, solved)| (below + before, kind, solved)));
-    Ok((points, found, [end_down, end_up]))
+    changes.extend(
+        found_up.map(|(before, kind, parameter, orbit)| (below + before, kind, parameter, orbit)),
+    );
+    Ok(Results {
+        points,
+        changes,
+        ends: [end_down, end_up],
+    })
 }
 
 /// The first point, with the tangent there, towards larger parameters.

@@ -6,6 +6,7 @@ pub(super) mod run;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::course::{Course, since_zero};
 use super::form::GeneralForm;
 use super::hold::{Hold, Touch};
 use super::multipliers::multipliers;
@@ -55,8 +56,9 @@ pub struct PeriodMap {
     unslipped: Vec<Unslipped>,
     /// Contacts that slip by rounding only, if the motion is closed.
     slip_by_rounding: Vec<usize>,
-    /// The touches past which contacts are held.
+    /// The touches past which contacts are held, and how they were looked for.
     pub(super) touches: Vec<Touch>,
+    holds: Vec<Hold>,
     /// True if friction is the same in both directions along the motion, where no contact remembers
     /// anything.
     pub(super) is_friction_even: bool,
@@ -237,28 +239,24 @@ impl PeriodMap {
         if self.begins() == 0.0 {
             return self;
         }
-        let mut before = Vec::new();
-        let mut steps = Vec::new();
-        for step in std::mem::take(&mut self.steps) {
-            let since = step.since_start(period);
-            if since >= step.duration() {
-                before.push(step);
-                continue;
-            }
-            if since > 0.0 {
-                before.push(step.clone().lasting(since));
-            }
-            let later = step.from(since.max(0.0));
-            steps.push(later.earlier(period, self.translation.as_slice()));
-        }
-        steps.extend(before);
-        self.steps = steps;
+        let steps = std::mem::take(&mut self.steps);
+        self.steps = since_zero(steps, period, self.translation.as_slice());
         if let [first, .., last] = &self.steps[..] {
             self.start = first.state().clone();
             let end = vector(&last.end_state(), self.order());
             self.end_at(end);
         }
         self
+    }
+
+    /// What the motion is computed again from.
+    pub(super) fn course(&self) -> Course {
+        Course {
+            time: self.begins(),
+            start: self.start.clone(),
+            holds: self.holds.clone(),
+            translation: self.translation.as_slice().to_vec(),
+        }
     }
 
     /// The modes of the contacts at the start.

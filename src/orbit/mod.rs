@@ -12,6 +12,7 @@
 // | `saltation.rs` | saltation matrices of events: one formula for all |
 // | `map.rs`, `map/run.rs` | the period map with its derivative, the monodromy matrix; runs that compute it |
 // | `passage.rs` | motions over a duration without derivatives |
+// | `course.rs` | the motion of a result, computed again when it is asked for |
 // | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
 // | `family.rs` | the directions of a continuous family of motions |
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
@@ -203,6 +204,7 @@ mod branch;
 mod changes;
 mod coefficient;
 mod corner;
+mod course;
 mod curve;
 mod elements;
 mod family;

@@ -1,15 +1,17 @@
 //! The systems whose periodic motions can be found.
 
+use std::sync::{Arc, OnceLock};
+
+use super::course::{Course, Motion};
 use super::form::GeneralForm;
-use super::map::PeriodMap;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::motion::{Ended, EnergyBudget, System, Trajectory, sealed};
-use crate::state::structure;
+use crate::motion::{Ended, EnergyBudget, System, Trajectory};
+use crate::state::{State, structure};
 use crate::structure::engine::model::Model;
 use crate::structure::engine::sparse::Sparse;
-use crate::structure::{Energies, Structure};
+use crate::structure::{Energies, Step, Structure};
 
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. The trait is
 /// sealed, like [`System`].
@@ -17,20 +19,25 @@ use crate::structure::{Energies, Structure};
 /// The searches treat a [`MassOnBelt`] as a structure of one mass. Their results contain the states
 /// of the given system: [`State`](crate::State) for a `MassOnBelt`, and
 /// [`structure::State`](crate::structure::State) for a `Structure`.
-pub trait Oscillator: System + FamilyMember + Measured {}
+pub trait Oscillator: System + FamilyMember + Shown {}
 
 /// One system of a family, without its type. Not exported.
 pub trait FamilyMember {
     /// The system without the type of its laws.
     fn form(&self) -> GeneralForm<'_>;
+    /// Work and heat along a motion.
+    fn energy_along(&self, steps: &[Step]) -> EnergyBudget;
 }
 
-/// Measures of a motion of the system. Not exported.
-pub trait Measured: System {
-    /// The motion over one period in the system's own form.
-    fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
-    /// Work and heat along a motion.
-    fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget;
+/// Motions of the system in its own form. Not exported.
+pub trait Shown: System {
+    /// The motion of a course, which starts in a state at time 0, over its period.
+    fn motion(
+        &self,
+        course: Course,
+        start: &Self::State,
+        period: f64,
+    ) -> Result<Motion<Self::State>, Error>;
 }
 
 /// The member of a family at a value of its parameters.
@@ -60,20 +67,27 @@ impl FamilyMember for Structure {
     fn form(&self) -> GeneralForm<'_> {
         GeneralForm::new(self.model())
     }
+
+    fn energy_along(&self, steps: &[Step]) -> EnergyBudget {
+        let model = self.model();
+        self.energies(&model).budget(steps)
+    }
 }
 
-impl Measured for Structure {
-    fn trajectory(
+impl Shown for Structure {
+    /// A copy of the structure fills much less memory than the steps of a motion.
+    fn motion(
         &self,
-        map: PeriodMap,
+        course: Course,
+        _: &structure::State,
         period: f64,
-    ) -> Result<Trajectory<structure::State>, Error> {
-        Ok(Trajectory::new(map.steps, 0.0, period, Ended::Duration))
-    }
-
-    fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget {
-        let model = self.model();
-        self.energies(&model).budget(map.steps())
+    ) -> Result<Motion<structure::State>, Error> {
+        let structure = self.clone();
+        let again = move || {
+            let steps = course.steps(&structure.form(), period);
+            Trajectory::new(steps, 0.0, period, Ended::Duration)
+        };
+        Ok(Motion::Later(Arc::new(again), OnceLock::new()))
     }
 }
 
@@ -83,17 +97,8 @@ impl<L: FrictionLaw> FamilyMember for MassOnBelt<L> {
     fn form(&self) -> GeneralForm<'_> {
         GeneralForm::new(Model::of_belt(self))
     }
-}
 
-impl<L: FrictionLaw> Measured for MassOnBelt<L> {
-    fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {
-        self.simulate(
-            <Self::State as sealed::State>::of_general(&map.start),
-            period,
-        )
-    }
-
-    fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget {
+    fn energy_along(&self, steps: &[Step]) -> EnergyBudget {
         let one = |entry: f64| Sparse::diagonal(std::iter::once(entry));
         let energies = Energies {
             model: &Model::of_belt(self),
@@ -102,6 +107,13 @@ impl<L: FrictionLaw> Measured for MassOnBelt<L> {
             damping: one(2.0 * self.damping()),
             normal: vec![None],
         };
-        energies.budget(map.steps())
+        energies.budget(steps)
+    }
+}
+
+impl<L: FrictionLaw> Shown for MassOnBelt<L> {
+    /// Kept, because a law may be borrowed.
+    fn motion(&self, _: Course, start: &State, period: f64) -> Result<Motion<State>, Error> {
+        self.simulate(*start, period).map(Motion::Known)
     }
 }

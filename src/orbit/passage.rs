@@ -46,19 +46,34 @@ pub(super) fn held_steps(
     holds: &[Hold],
 ) -> Result<StepsAndTouches, Error> {
     let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
-    let end_time = time + duration;
-    let mut steps: Vec<Step> = Vec::new();
     let mut flow = HeldFlow::new(form, settings, time, start, holds)?;
+    let mut steps = Vec::new();
+    let count = |step: &Step| form.count(&|| Reached::new(step.start_time(), step.state().clone()));
+    collect(&mut flow, time + duration, &mut steps, &count)?;
+    Ok((steps, flow.touches))
+}
+
+/// Collects the steps of a motion up to a time.
+pub(super) fn collect(
+    flow: &mut HeldFlow<'_>,
+    end_time: f64,
+    steps: &mut Vec<Step>,
+    count: &dyn Fn(&Step) -> Result<(), Error>,
+) -> Result<(), Error> {
     while let Some(step) = flow.next() {
         let step = step?;
-        form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
-        if step.end_time() >= end_time {
-            steps.push(step.until(end_time));
-            return Ok((steps, flow.touches));
+        count(&step)?;
+        let is_last = step.end_time() >= end_time;
+        steps.push(if step.end_time() > end_time {
+            step.until(end_time)
+        } else {
+            step
+        });
+        if is_last {
+            return Ok(());
         }
-        steps.push(step);
     }
-    Err(Error::InvalidDuration { value: duration })
+    Err(Error::InvalidDuration { value: end_time })
 }
 
 /// The events of a motion: element and kind.

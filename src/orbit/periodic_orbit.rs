@@ -6,16 +6,18 @@ use std::fmt;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::course::{Course, Motion};
 use super::family::families;
 use super::form::GeneralForm;
 use super::half_map::HalfMap;
 use super::map;
 use super::map::run::{self, carried};
 use super::measures::{Contact, Coordinate, Measures};
-use super::oscillator::Oscillator;
+use super::oscillator::{FamilyMember, Oscillator};
 use super::period::Period;
 use super::trial::TrialMotion;
 use crate::error::Error;
+use crate::motion::sealed::State as _;
 use crate::motion::{EnergyBudget, Event, EventKind, Segment, SystemState, Trajectory};
 use crate::numerics::gauss::gauss_legendre;
 use crate::numerics::power_of_two;
@@ -47,7 +49,6 @@ pub struct Orbit<S: SystemState> {
     kind: Period,
     period: f64,
     state: S,
-    trajectory: Trajectory<S>,
     events: Vec<Event<S>>,
     pub(super) measures: Measures,
     multipliers: Vec<Complex<f64>>,
@@ -56,6 +57,68 @@ pub struct Orbit<S: SystemState> {
     /// The multipliers 1 of families that are listed.
     neutral: usize,
     is_symmetric: bool,
+    motion: Motion<S>,
+}
+
+/// A closed motion as a result, in the general form of its states, without the motion itself.
+pub(super) struct Closed {
+    kind: Period,
+    period: f64,
+    state: State,
+    measures: Measures,
+    properties: Properties,
+    is_symmetric: bool,
+    course: Course,
+}
+
+impl Closed {
+    pub(super) fn new(
+        system: &dyn FamilyMember,
+        form: &GeneralForm<'_>,
+        found: TrialMotion,
+        kind: Period,
+    ) -> Result<Self, Error> {
+        let properties = Properties::of(form, &found, kind)?;
+        let TrialMotion { period, map, .. } = found;
+        let course = map.course();
+        let map = map.since_zero(period);
+        let energy = system.energy_along(&map.steps);
+        Ok(Self {
+            kind: match kind {
+                Period::Free(_) => Period::Free(period),
+                driven @ Period::Driven(_) => driven,
+            },
+            period,
+            is_symmetric: HalfMap::of_symmetric(&map, period).is_some(),
+            measures: Measures::of(form, (&map.steps, map.translation()), period, energy),
+            state: map.start,
+            properties,
+            course,
+        })
+    }
+
+    /// The motion in the states of its system.
+    pub(super) fn orbit<S: Oscillator>(self, system: &S) -> Result<Orbit<S::State>, Error> {
+        let events = self.properties.events.into_iter().map(|event| {
+            let state = S::State::of_general(&event.state);
+            event.with_state(state)
+        });
+        let families = self.properties.families.iter();
+        let state = S::State::of_general(&self.state);
+        Ok(Orbit {
+            motion: system.motion(self.course, &state, self.period)?,
+            kind: self.kind,
+            period: self.period,
+            state,
+            events: events.collect(),
+            measures: self.measures,
+            multipliers: self.properties.multipliers,
+            unslipped: self.properties.unslipped,
+            families: families.map(S::State::of_general).collect(),
+            neutral: self.properties.neutral,
+            is_symmetric: self.is_symmetric,
+        })
+    }
 }
 
 impl<S: SystemState> Orbit<S> {
@@ -65,32 +128,7 @@ impl<S: SystemState> Orbit<S> {
         found: TrialMotion,
         kind: Period,
     ) -> Result<Self, Error> {
-        let properties = Properties::of(form, &found, kind)?;
-        let TrialMotion { period, map, .. } = found;
-        let map = map.since_zero(period);
-        let energy = system.energy_budget(&map);
-        let symmetric = HalfMap::of_symmetric(&map, period);
-        let measures = Measures::of(form, (&map.steps, map.translation()), period, energy);
-        let events = properties.events.into_iter().map(|event| {
-            let state = S::of_general(&event.state);
-            event.with_state(state)
-        });
-        Ok(Self {
-            kind: match kind {
-                Period::Free(_) => Period::Free(period),
-                driven @ Period::Driven(_) => driven,
-            },
-            period,
-            state: S::of_general(&map.start),
-            events: events.collect(),
-            measures,
-            multipliers: properties.multipliers,
-            unslipped: properties.unslipped,
-            families: properties.families.iter().map(S::of_general).collect(),
-            neutral: properties.neutral,
-            is_symmetric: symmetric.is_some(),
-            trajectory: system.trajectory(map, period)?,
-        })
+        Closed::new(system, form, found, kind)?.orbit(system)
     }
 }
 
@@ -162,9 +200,11 @@ impl<S: SystemState> Orbit<S> {
         self.state.clone()
     }
 
-    /// The motion over one period, from time 0.
+    /// The motion over one period, from time 0. For a [`Structure`](crate::Structure) it is computed
+    /// when it is asked for first, in the time of one motion: the power series of its steps would
+    /// fill far more memory than all points of a branch.
     pub fn trajectory(&self) -> &Trajectory<S> {
-        &self.trajectory
+        self.motion.trajectory()
     }
 
     /// The events in (0, T], in order of time. An event at the start of the period has the time T.
@@ -495,14 +535,13 @@ impl<S: SystemState> Orbit<S> {
     }
 }
 
-impl<S: SystemState + PartialEq> PartialEq for Orbit<S>
-where
-    S::Step: PartialEq,
-{
+impl<S: SystemState + PartialEq> PartialEq for Orbit<S> {
     /// Compares the motion, its kind and its multipliers, from which the rest follows.
     fn eq(&self, other: &Self) -> bool {
         self.kind == other.kind
-            && self.trajectory == other.trajectory
+            && self.period == other.period
+            && self.state == other.state
+            && self.events == other.events
             && self.multipliers == other.multipliers
     }
 }
@@ -526,5 +565,48 @@ fn within(time: f64, period: f64) -> f64 {
         period
     } else {
         time
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shoot::settle;
+    use super::*;
+    use crate::drive::Drive;
+    use crate::friction::memory::Dwell;
+    use crate::friction::{Coulomb, Exponential};
+    use crate::structure::{Contact, Structure};
+
+    /// The steps of a motion are computed again to the bit, wherever it was begun.
+    #[test]
+    fn steps_are_those_of_the_map() -> Result<(), Error> {
+        let clock = Dwell::exponential(Exponential::new(0.4, 0.25, 0.5)?, 0.5, 1.0)?;
+        let elastic = Contact::new(1, Coulomb::new(0.3, 0.3)?, 0.5)?
+            .with_tangential_stiffness(8.0)?
+            .with_normal_spring(&[(1, 0.5)], 3.0)?;
+        let system = Structure::new(&[1.0, 0.7])?
+            .with_ground_spring(0, 1.0)?
+            .with_spring(0, 1, 0.8)?
+            .with_ground_damper(0, 0.2)?
+            .with_ground_damper(1, 0.2)?
+            .with_force(0, Drive::harmonic(0.9, 0.8, 0.0)?)?
+            .with_contact(Contact::new(0, clock, 1.0)?.on_belt(0.1))?
+            .with_contact(elastic)?;
+        let orbit = settle(&system, &State::at_rest(2), 300.0, Period::Driven(1))?;
+        let (form, motion) = (system.form(), orbit.trajectory());
+        for part in [0.0, 0.3, 0.71] {
+            let time = part * orbit.period();
+            let mut steps = motion.steps().iter();
+            let step = steps.find(|step| step.end_time() > time).unwrap();
+            let mut start = step.state_at(step.since_start(time));
+            form.put_in_modes(&mut start, time, &|c| Some(step.modes()[c]));
+            let map = run::period_map(&form, time, &start, orbit.period())?;
+            let again = map.course().steps(&form, orbit.period());
+            assert!(
+                again.len() > 10 && again == map.since_zero(orbit.period()).steps,
+                "{part}"
+            );
+        }
+        Ok(())
     }
 }

@@ -8,6 +8,9 @@ use super::curve::{Curve, Solved};
 use super::jump::LARGE;
 use super::local_curve::{CurvePoint, LocalCurve};
 use super::locus::end::tangential_end;
+use super::periodic_orbit::Closed;
+use super::phase_condition::FrozenStart;
+use super::sequence::Sequence;
 use super::spectrum::hopf_point;
 use crate::error::Error;
 use crate::motion::Segment;
@@ -18,12 +21,39 @@ pub(super) struct Walk<'v, 'f> {
     pub(super) curve: &'v Curve<'f>,
     /// Scales of the unknowns of the first motion.
     pub(super) first_scale: DVector<f64>,
-    pub(super) points: Vec<Solved>,
+    pub(super) points: Vec<Left>,
     /// The point before the last one, with its tangent in units of the present scales; `None` if
     /// the curve may have a corner between the two.
     pub(super) before: Option<Solved>,
-    /// Bifurcations, each with the number of points before it, except the first.
-    pub(super) found: Vec<(usize, FoundBifurcation)>,
+    pub(super) found: Vec<Change>,
+}
+
+/// A bifurcation: the number of points before it, except the first, its kind, its parameter and its
+/// motion.
+pub(super) type Change = (usize, BifurcationKind, f64, Closed);
+
+/// A point that the walk has left behind: what ends and corners of the curve ask of it, and the
+/// result. Its steps and matrices fill a hundred times as much.
+pub(super) struct Left {
+    y: DVector<f64>,
+    begin: FrozenStart,
+    sequence: Sequence,
+    growth: f64,
+    pub(super) parameter: f64,
+    pub(super) closed: Closed,
+}
+
+impl Left {
+    pub(super) fn new(curve: &Curve<'_>, solved: &Solved) -> Result<Self, Error> {
+        Ok(Self {
+            y: solved.y.clone(),
+            begin: solved.begin.clone(),
+            sequence: solved.sequence.clone(),
+            growth: solved.trial.map.growth(),
+            parameter: curve.parameter(&solved.y),
+            closed: curve.closed(solved)?,
+        })
+    }
 }
 
 /// The longest step, in units of the range and of the sizes of the motion.
@@ -97,12 +127,13 @@ impl Walk<'_, '_> {
     }
 
     /// Walks from a point in the direction of its tangent, which is in units of the first scales.
-    pub(super) fn run(&mut self, first: &Solved) -> BranchEnd {
+    pub(super) fn run(&mut self, first: &Solved) -> Result<BranchEnd, Error> {
         let mut base = first.clone();
+        let mut second = None;
         let (parameter, range) = (self.curve.parameter(&base.y), &self.curve.range);
         let rises = base.tangent[self.curve.unknowns() - 1] > 0.0;
         if parameter == if rises { range.end } else { range.start } {
-            return BranchEnd::Range;
+            return Ok(BranchEnd::Range);
         }
         let mut scale = self.first_scale.clone();
         let mut signs: Signs = [0.0; 4];
@@ -114,34 +145,31 @@ impl Walk<'_, '_> {
             let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
             let place = match outcome {
                 Outcome::Next(place, found) => {
-                    self.add(found);
+                    self.add(found)?;
                     place
                 }
                 Outcome::Last(place, found) => {
-                    self.add(found);
-                    let parameter = self.curve.parameter(&place.solved.y);
-                    self.points.push(place.solved);
-                    self.curve.watched.found(parameter);
-                    return BranchEnd::Range;
+                    self.add(found)?;
+                    self.leave(&place.solved)?;
+                    return Ok(BranchEnd::Range);
                 }
                 Outcome::Jump(place, found, end) => {
-                    self.add(found);
-                    self.points.push(place.solved);
-                    return end;
+                    self.add(found)?;
+                    self.points.push(Left::new(self.curve, &place.solved)?);
+                    return Ok(end);
                 }
-                Outcome::End(end) => return end,
+                Outcome::End(end) => return Ok(end),
                 Outcome::Grazing(parameter, found) => {
-                    self.add(vec![*found]);
-                    return BranchEnd::Grazing { parameter };
+                    self.add(vec![*found])?;
+                    return Ok(BranchEnd::Grazing { parameter });
                 }
             };
             step = next_step;
-            if self.came_back(first, &base, &place.solved) {
-                return BranchEnd::Closed;
+            let second = second.get_or_insert_with(|| place.solved.clone());
+            if self.came_back([first, second], &base, &place.solved) {
+                return Ok(BranchEnd::Closed);
             }
-            self.points.push(place.solved.clone());
-            let parameter = self.curve.parameter(&place.solved.y);
-            self.curve.watched.found(parameter);
+            self.leave(&place.solved)?;
             let before = std::mem::replace(&mut base, place.solved);
             if let Some((moved, moved_scale)) = self.moved(&before, &base) {
                 (base, scale, self.before) = (moved, moved_scale, None);
@@ -158,13 +186,24 @@ impl Walk<'_, '_> {
             self.before = Some(in_new_units(before)).filter(|before| before.is_like(&base));
             scale = next_scale;
         }
-        self.curve.end_at_limit(&base)
+        Ok(self.curve.end_at_limit(&base))
     }
 
-    fn add(&mut self, found: Vec<FoundBifurcation>) {
-        let before = self.points.len();
-        self.found
-            .extend(found.into_iter().map(|found| (before, found)));
+    fn add(&mut self, found: Vec<FoundBifurcation>) -> Result<(), Error> {
+        let (curve, before) = (self.curve, self.points.len());
+        for FoundBifurcation { kind, solved, .. } in found {
+            let closed = curve.closed(&solved)?;
+            self.found
+                .push((before, kind, curve.parameter(&solved.y), closed));
+        }
+        Ok(())
+    }
+
+    fn leave(&mut self, solved: &Solved) -> Result<(), Error> {
+        let left = Left::new(self.curve, solved)?;
+        self.curve.watched.found(left.parameter);
+        self.points.push(left);
+        Ok(())
     }
 
     /// One step, shortened until it succeeds, and the length of the next one.
@@ -265,17 +304,19 @@ impl Walk<'_, '_> {
         let (curve, motion) = (self.curve, &place.solved);
         let parameter = curve.parameter(&motion.y);
         let before = self.points.windows(2).rev().find_map(|pair| {
-            let [low, high] = [&pair[0], &pair[1]].map(|point| curve.parameter(&point.y));
+            let [low, high] = [&pair[0], &pair[1]].map(|point| point.parameter);
             let part = (parameter - low) / (high - low);
-            let is_there = (0.0..=1.0).contains(&part) && pair.iter().any(|p| p.is_like(motion));
-            is_there.then_some((pair, part))
+            let mut sequences = pair.iter().map(|point| &point.sequence);
+            let is_like = sequences.any(|sequence| sequence.is_like(&motion.sequence));
+            ((0.0..=1.0).contains(&part) && is_like).then_some((pair, part))
         });
         let Some((pair, part)) = before else {
             return false;
         };
-        let seen = |point: &Solved| {
+        let seen = |point: &Left| {
             let distance = |y: &DVector<f64>| (y - &motion.y).component_div(view.scale).amax();
-            let seen = curve.seen(point, &motion.begin).into_iter();
+            let point = curve.guess_at(point.y.clone(), point.begin.clone()).ok()?;
+            let seen = curve.seen(&point, &motion.begin).into_iter();
             seen.min_by(|a, b| distance(a).total_cmp(&distance(b)))
         };
         let (Some(low), Some(high)) = (seen(&pair[0]), seen(&pair[1])) else {
@@ -419,9 +460,8 @@ impl Walk<'_, '_> {
 
     /// Returns true if the derivative of the map is large at a point, and smaller before it.
     fn magnifies_more(&self, base: &Solved) -> bool {
-        let growth = |solved: &Solved| solved.trial.map.growth();
-        let last = growth(base);
-        let mut before = self.points.iter().rev().map(growth);
+        let last = base.trial.map.growth();
+        let mut before = self.points.iter().rev().map(|point| point.growth);
         last >= GRAZING_GROWTH && before.any(|before| before < GRAZING_RISE * last)
     }
 
@@ -435,13 +475,11 @@ impl Walk<'_, '_> {
         if !self.magnifies_more(base) {
             return None;
         }
-        let of = |solved: &Solved| {
-            let parameter = self.curve.parameter(&solved.y);
-            [solved.trial.map.growth().recip(), parameter]
-        };
-        let mut known = vec![of(base)];
-        let alike = self.points.iter().rev();
-        for point in alike.take_while(|point| point.is_like(base)).map(of) {
+        let growth = base.trial.map.growth();
+        let mut known = vec![[growth.recip(), self.curve.parameter(&base.y)]];
+        let points = self.points.iter().rev();
+        let alike = points.take_while(|point| point.sequence.is_like(&base.sequence));
+        for point in alike.map(|point| [point.growth.recip(), point.parameter]) {
             let nearest = known[known.len() - 1];
             if point[0] >= APART * nearest[0] && known.len() < RELEASE_MOTIONS {
                 known.push(point);
@@ -479,7 +517,7 @@ impl Walk<'_, '_> {
 
     /// Returns true if the curve has returned to its first motion, in the direction in which it
     /// left. A motion over several periods of the drives may return with another of them first.
-    fn came_back(&self, first: &Solved, base: &Solved, next: &Solved) -> bool {
+    fn came_back(&self, [first, second]: [&Solved; 2], base: &Solved, next: &Solved) -> bool {
         if self.points.len() < 3 {
             return false;
         }
@@ -498,7 +536,7 @@ impl Walk<'_, '_> {
             let seen = self.curve.seen(solved, &base.begin);
             seen.iter().map(scaled).collect()
         };
-        let seconds = seen(&self.points[0]);
+        let seconds = seen(second);
         seen(first).iter().any(|point| {
             let nearest = |a: &&DVector<f64>, b: &&DVector<f64>| {
                 (*a - point).norm().total_cmp(&(*b - point).norm())

@@ -134,6 +134,7 @@ pub(in crate::orbit) fn held_period_map(
         boosts: form.freedom().velocities.clone(),
         unslipped,
         touches: flow.touches().to_vec(),
+        holds: holds.to_vec(),
         is_friction_even: is_friction_even(form, &steps),
         start: start.clone(),
         end_modes,
