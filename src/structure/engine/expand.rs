@@ -179,7 +179,9 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     let is_delicate = !are_apart && is_delicate(model, situation);
     let is_grouped = |(c, of): (usize, &ContactSeries)| match of.mode {
         _ if model.contacts[c].is_elastic() => {
-            of.guided.is_none() && situation.contacts[c].edge == Edge::Away
+            let state = &situation.contacts[c];
+            let are_away = state.edge == Edge::Away && state.load_edge == Edge::Away;
+            of.guided.is_none() && are_away
         }
         StepMode::Stick => of.memories.is_empty() && !model.is_shared(c),
         StepMode::Slip | StepMode::Open => true,
@@ -234,6 +236,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         coordinates,
         contacts,
         elements,
+        given,
         groups: Some(groups),
         ..
     } = series
@@ -266,13 +269,16 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         let (contact, of) = (&model.contacts[c], &mut contacts[c]);
         match contact.tangential_stiffness {
             Some(stiffness) => {
-                let speeds = of.first_speeds(contact, coordinates);
+                let speeds = of.first_speeds(contact, coordinates, stiffness);
                 let [stiffness, side] = match of.mode {
                     StepMode::Open => [0.0, 0.0],
                     StepMode::Stick => [stiffness, 1.0],
                     StepMode::Slip => [0.0, of.side],
                 };
                 groups.spring(number, [stiffness, side], speeds);
+                if of.load_varies {
+                    groups.press(place, contact, of);
+                }
             }
             None => groups.slip(number, contact, of),
         }
@@ -291,13 +297,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         let [e, i] = groups.force(place);
         if elements[e].acts {
             let found = groups.member(groups.number_of_force(place));
-            found.give_force(&mut elements[e], i);
-            let (of, response) = (&elements[e], &model.elements[e].responses[i]);
-            for &(j, x) in response {
-                for k in 1..ALL {
-                    coordinates[j].force[k] -= x * (of.factor[0] * of.forces[i][k]);
-                }
-            }
+            found.give_element(&mut elements[e], i);
         }
     }
     for (i, coordinate) in coordinates.iter_mut().enumerate() {
@@ -316,17 +316,17 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
     }
     for (place, c) in model.unowned().enumerate() {
         let found = groups.member(groups.number_of_unowned(place));
-        let (contact, of) = (&model.contacts[c], &mut contacts[c]);
-        if !contact.is_elastic() {
+        let of = &mut contacts[c];
+        if model.contacts[c].is_elastic() {
+            found.give_spring(of);
+        } else {
             found.give_slip(of);
-            continue;
         }
-        found.give_spring(of);
-        for &(j, x) in contact.responses() {
-            for k in 1..TERMS {
-                coordinates[j].force[k] -= x * of.carried[k];
-            }
-        }
+    }
+    for (&j, given) in std::iter::zip(&model.sprung, given) {
+        groups
+            .member(j)
+            .give_force(given, &mut coordinates[j].force);
     }
 }
 

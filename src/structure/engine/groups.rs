@@ -1,12 +1,12 @@
 //! The series of coordinates in groups of four, side by side in the lanes of vector registers. Used
-//! for steps in which all loads are constant, every rigid contact that sticks has a coordinate to
-//! itself and no memory, and no series is of rounding.
+//! for steps in which the loads of all rigid contacts are constant, every one of them that sticks
+//! has a coordinate to itself and no memory, and no series is of rounding.
 //!
 //! The laws are recorded at the start of the step: see `scalar/recorded.rs`. All coordinates of a
 //! group follow one equation, without a branch:
 //!
 //! ```text
-//! a_k = (M⁻¹f − M⁻¹K q − M⁻¹C v − Σ_c x_c ℓ_c − w')_k
+//! a_k = (M⁻¹f − M⁻¹K q − M⁻¹C v − Σ_c x_c ℓ_c − Σ_c M⁻¹d_c N_c − w')_k
 //! y_{k+1} = (σ a_k − N m_k)/(k + 1),   v_{k+1} = σ y_{k+1} + w_{k+1}
 //! ```
 //!
@@ -14,10 +14,13 @@
 //! own. The contacts without a coordinate of their own have groups, too, with
 //!
 //! ```text
-//! y_{k+1} = σ (b·v − w)_{k+1}
+//! y_{k+1} = σ (b·v − w)_{k+1} − [(k + 2) μ N_{k+2}/k_t]   […]: if an elastic contact slips
 //! ℓ_c = σ N m_k                if the contact is rigid and slips
 //! ℓ_c = T_k = k_t y_{k−1}/k    if it is elastic and its slider is at rest, with σ = 1
+//! ℓ_c = T_k = σ μ N_k          if it is elastic and slips
 //! ```
+//!
+//! The load N = N_0(t) + n·q of an elastic contact acts along its normal spring, unless it is open.
 //!
 //! A memory z follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
 //!
@@ -59,8 +62,10 @@ pub(super) struct Groups {
 struct Fixed {
     /// Data of each group of coordinates.
     rows: Vec<Rows>,
-    /// The directions b of each group of contacts without a coordinate of their own.
+    /// The directions b of each group of contacts without a coordinate of their own, and the
+    /// gradients n of the loads, if loads vary.
     directions: Vec<Columns>,
+    gradients: Vec<Columns>,
     /// The forces of elements: F_i by its element and i.
     forces: Vec<[usize; 2]>,
     /// The directions of the elements of each group of forces: the first of each, the second, and
@@ -78,8 +83,12 @@ struct Rows {
     /// The diagonals of M⁻¹K and M⁻¹C, and the columns beside them that are not 0.
     diagonal: [Lanes; 2],
     beside: [Columns; 2],
-    /// x_c of the contacts without a coordinate of their own, and of the forces of elements.
+    /// x_c of the rigid contacts without a coordinate of their own.
     responses: Columns,
+    /// x_c of the elastic contacts and M⁻¹a_i of the elements, and M⁻¹d_c by the number among all
+    /// loads.
+    springs: Columns,
+    reactions: Columns,
 }
 
 /// Group and lane of a coordinate or contact.
@@ -104,6 +113,22 @@ struct GroupSeries {
     /// The displacements, then the coefficients of the velocities: number k is q_0 or k q_k.
     motions: Vec<[Lanes; TERMS + 1]>,
     groups: Vec<Group>,
+    /// The loads of each group of contacts without a coordinate of their own; none if all are
+    /// constant.
+    loads: Vec<Loads>,
+}
+
+/// The loads of a group of elastic contacts.
+#[derive(Debug, Clone)]
+struct Loads {
+    /// N_0(t), and N.
+    given: [Lanes; TERMS],
+    loads: [Lanes; TERMS],
+    /// μ and μ/k_t in slip, otherwise 0.
+    coefficient: Lanes,
+    yielding: Lanes,
+    /// 1 for those that are closed, otherwise 0.
+    closed: Lanes,
 }
 
 /// A group: a contact or a force of an element in each lane, or none.
@@ -119,6 +144,8 @@ struct Group {
     stiffness: Lanes,
     /// a.
     carried: [Lanes; TERMS],
+    /// The accelerations against the forces of elastic contacts and of elements.
+    pushed: [Lanes; TERMS],
     /// True if a force or a surface of the group varies: then M⁻¹f − w', and w.
     is_driven: bool,
     given: [Lanes; TERMS],
@@ -168,13 +195,23 @@ macro_rules! each_order {
 }
 
 impl Groups {
-    pub(super) fn new(model: &Model<'_>) -> Self {
+    pub(super) fn new(model: &Model<'_>, loads_vary: bool) -> Self {
         let count = model.len().div_ceil(LANES);
-        let mut responses = vec![Vec::new(); model.len()];
         let unowned: Vec<usize> = model.unowned().collect();
+        let [mut responses, mut springs, mut reactions] =
+            [0; 3].map(|_| vec![Vec::new(); model.len()]);
         for (place, &c) in unowned.iter().enumerate() {
-            for &(j, x) in model.contacts[c].responses() {
-                responses[j].push((count * LANES + place, x));
+            let contact = &model.contacts[c];
+            let rows = if contact.is_elastic() {
+                &mut springs
+            } else {
+                &mut responses
+            };
+            for &(j, x) in contact.responses() {
+                rows[j].push((count * LANES + place, x));
+            }
+            for &(j, y) in &contact.reaction {
+                reactions[j].push((place, y));
             }
         }
         let first_force = (count + unowned.len().div_ceil(LANES)) * LANES;
@@ -182,7 +219,7 @@ impl Groups {
         for (e, element) in model.elements.iter().enumerate() {
             for (i, response) in element.responses.iter().enumerate() {
                 for &(j, x) in response {
-                    responses[j].push((first_force + forces.len(), x));
+                    springs[j].push((first_force + forces.len(), x));
                 }
                 forces.push([e, i]);
             }
@@ -209,12 +246,23 @@ impl Groups {
             Rows {
                 diagonal,
                 beside: matrices.map(|matrix| columns(own.clone().map(|i| matrix.row(i).1))),
-                responses: columns(own.map(|i| &responses[i][..])),
+                responses: columns(own.clone().map(|i| &responses[i][..])),
+                springs: columns(own.clone().map(|i| &springs[i][..])),
+                reactions: columns(own.map(|i| &reactions[i][..])),
             }
         });
-        let directions = unowned
-            .chunks(LANES)
-            .map(|unowned| columns(unowned.iter().map(|&c| &*model.contacts[c].direction)));
+        let contacts = unowned.chunks(LANES).map(|group| {
+            let contacts = group.iter().map(|&c| &model.contacts[c]);
+            [
+                columns(contacts.clone().map(|contact| &*contact.direction)),
+                columns(contacts.map(|contact| &contact.load_gradient[..])),
+            ]
+        });
+        let (directions, mut gradients): (Vec<Columns>, Vec<Columns>) =
+            contacts.map(<[Columns; 2]>::into).unzip();
+        if !loads_vary {
+            gradients.clear();
+        }
         let zero = [[0.0; LANES]; TERMS];
         let group = Group {
             side: [0.0; LANES],
@@ -224,6 +272,7 @@ impl Groups {
             is_elastic: false,
             stiffness: [0.0; LANES],
             carried: zero,
+            pushed: zero,
             is_driven: false,
             given: zero,
             surface: zero,
@@ -232,7 +281,13 @@ impl Groups {
             chunk_of: [0; LANES],
             relaxation: [0.0; LANES],
         };
-        let directions: Vec<Columns> = directions.collect();
+        let loads = Loads {
+            given: zero,
+            loads: zero,
+            coefficient: [0.0; LANES],
+            yielding: [0.0; LANES],
+            closed: [0.0; LANES],
+        };
         // Contacts and elements may couple any coordinates.
         let at_a_time = if directions.is_empty() && forces.is_empty() {
             AT_A_TIME
@@ -243,10 +298,12 @@ impl Groups {
             series: GroupSeries {
                 motions: vec![[[0.0; LANES]; TERMS + 1]; count],
                 groups: vec![group; count + directions.len() + inputs.len()],
+                loads: vec![loads; gradients.len()],
             },
             fixed: Fixed {
                 rows: rows.collect(),
                 directions,
+                gradients,
                 forces,
                 inputs,
                 waves: Waves::new(count, at_a_time, model.bandwidth.div_ceil(LANES)),
@@ -285,6 +342,13 @@ impl Groups {
             (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
             (group.is_driven, group.relaxation) = (false, [0.0; LANES]);
             (group.is_elastic, group.stiffness) = (false, [0.0; LANES]);
+            if !self.fixed.inputs.is_empty() {
+                // Not computed where all stops are open.
+                group.pushed = [[0.0; LANES]; TERMS];
+            }
+        }
+        for loads in &mut self.series.loads {
+            (loads.coefficient, loads.yielding) = ([0.0; LANES], [0.0; LANES]);
         }
     }
 
@@ -349,6 +413,28 @@ impl Groups {
         group.is_elastic |= stiffness > 0.0;
         for (own, speed) in std::iter::zip(&mut group.speeds, speeds) {
             own[lane] = speed;
+        }
+    }
+
+    /// Sets the load of an elastic contact, by its place among the contacts without a coordinate of
+    /// their own, from its series up to order 2.
+    pub(super) fn press(&mut self, place: usize, contact: &ContactData<'_>, of: &ContactSeries) {
+        let Slot { group, lane } = Slot::of(place);
+        let loads = &mut self.series.loads[group];
+        let coefficient = if of.mode == StepMode::Slip {
+            of.limits[0]
+        } else {
+            0.0
+        };
+        let stiffness = contact.tangential_stiffness.unwrap_or(f64::INFINITY);
+        loads.coefficient[lane] = coefficient;
+        loads.yielding[lane] = coefficient / stiffness;
+        loads.closed[lane] = if of.mode == StepMode::Open { 0.0 } else { 1.0 };
+        for k in 0..TERMS {
+            loads.given[k][lane] = of.drive_load[k];
+        }
+        for k in 0..3 {
+            loads.loads[k][lane] = of.load[k];
         }
     }
 
@@ -452,7 +538,7 @@ impl Member<'_> {
 
     /// Copies the series of F_i of an element, and of its positions and velocities, from order 1
     /// on.
-    pub(super) fn give_force(&self, of: &mut ElementSeries, i: usize) {
+    pub(super) fn give_element(&self, of: &mut ElementSeries, i: usize) {
         let lane = self.slot.lane % LANES;
         let chunk = &self.group.chunks[self.group.chunk_of[lane]];
         let motion = of.positions.iter_mut().chain(&mut of.velocities);
@@ -467,8 +553,8 @@ impl Member<'_> {
         }
     }
 
-    /// Copies the series of the force in an elastic contact, and of the speed of its slider, from
-    /// order 2 on. The last coefficient of the speed remains 0.
+    /// Copies the series of the force in an elastic contact, of its load, and of the speed of its
+    /// slider, from order 2 on. The last coefficient of the speed remains 0.
     pub(super) fn give_spring(&self, of: &mut ContactSeries) {
         let lane = self.slot.lane % LANES;
         let (speeds, stiffness) = (&self.group.speeds, self.group.stiffness[lane]);
@@ -476,10 +562,35 @@ impl Member<'_> {
             let carried = stiffness * speeds[k - 1][lane] * INTEGRAL[k - 1];
             (of.carried[k], of.memories[0][k]) = (carried, carried);
         }
+        if let Some(place) = self.slot.group.checked_sub(self.series.motions.len())
+            && of.load_varies
+            && let Some(of_loads) = self.series.loads.get(place)
+        {
+            let coefficient = self.group.side[lane] * of_loads.coefficient[lane];
+            for (k, loads) in of_loads.loads.iter().enumerate().skip(2) {
+                let load = loads[lane];
+                of.load[k] = load;
+                for bound in &mut of.bounds {
+                    bound[k] = load * of.limits[0];
+                }
+                if of.mode == StepMode::Slip {
+                    (of.carried[k], of.memories[0][k]) = (coefficient * load, coefficient * load);
+                }
+            }
+        }
         if of.mode == StepMode::Slip {
             for (k, speed) in speeds.iter().enumerate().take(ALL).skip(2) {
                 of.speeds[k] = speed[lane];
             }
+        }
+    }
+
+    /// Copies the accelerations of a coordinate by given forces, by elastic contacts and by
+    /// elements, from order 1 on.
+    pub(super) fn give_force(&self, given: &PowerSeries, force: &mut PowerSeries) {
+        let lane = self.slot.lane % LANES;
+        for k in 1..ALL {
+            force[k] = given[k] - self.group.pushed[k][lane];
         }
     }
 
@@ -584,6 +695,10 @@ impl GroupSeries {
                 }
                 self.friction_order::<CHOSEN, EXTENDED>(k, g);
             }
+            for (place, of_loads) in self.loads.iter().enumerate() {
+                let friction = &mut self.groups[others.start + place].friction[k];
+                *friction = mul_add::<CHOSEN>(of_loads.coefficient, of_loads.loads[k], *friction);
+            }
         }
         for g in own {
             if !EXTENDED {
@@ -592,8 +707,12 @@ impl GroupSeries {
             self.motion_order::<CHOSEN, EXTENDED>(k, &fixed.rows[g], g);
         }
         if EXTENDED {
-            for (g, directions) in std::iter::zip(others, &fixed.directions) {
+            for (place, directions) in fixed.directions.iter().enumerate() {
+                let g = others.start + place;
                 self.slip_order::<CHOSEN>(k, directions, g);
+                if let Some(gradients) = fixed.gradients.get(place) {
+                    self.load_order::<CHOSEN>(k, gradients, (place, g));
+                }
             }
         }
     }
@@ -669,9 +788,26 @@ impl GroupSeries {
                 dampers = mul_add::<CHOSEN>([force; LANES], entries, dampers);
             }
         }
+        let mut pushed = [0.0; LANES];
+        if EXTENDED {
+            for &(Slot { group, lane }, entries) in &rows.springs {
+                let of = &self.groups[group];
+                let force = of.side[lane] * of.load[lane] * of.friction[k][lane];
+                pushed = mul_add::<CHOSEN>([force; LANES], entries, pushed);
+            }
+            for &(Slot { group, lane }, entries) in &rows.reactions {
+                let of = &self.loads[group];
+                let force = of.closed[lane] * of.loads[k][lane];
+                pushed = mul_add::<CHOSEN>([force; LANES], entries, pushed);
+            }
+            dampers = plus(dampers, pushed);
+        }
         // Number k of a displacement is k q_k.
         let pull = mul_add::<CHOSEN>([INTEGRAL[k - 1]; LANES], springs, dampers);
         let group = &mut self.groups[g];
+        if EXTENDED {
+            group.pushed[k] = pushed;
+        }
         let minus = [-1.0; LANES];
         let mut rate = times(minus, pull);
         if group.is_driven {
@@ -702,6 +838,30 @@ impl GroupSeries {
         }
         let group = &mut self.groups[g];
         group.speeds[k + 1] = times(group.side, relative);
+    }
+
+    /// Order k + 2 of the loads of a group of elastic contacts, and their part in order k + 1 of
+    /// the speeds of sliders.
+    #[inline(always)]
+    fn load_order<const CHOSEN: bool>(
+        &mut self,
+        k: usize,
+        gradients: &Columns,
+        (place, g): (usize, usize),
+    ) {
+        if k + 2 == TERMS {
+            return;
+        }
+        let mut rates = [0.0; LANES];
+        for &(Slot { group, lane }, entries) in gradients {
+            let velocity = self.motions[group][k + 2][lane];
+            rates = mul_add::<CHOSEN>([velocity; LANES], entries, rates);
+        }
+        let (of_loads, group) = (&mut self.loads[place], &mut self.groups[g]);
+        let load = mul_add::<CHOSEN>([INTEGRAL[k + 1]; LANES], rates, of_loads.given[k + 2]);
+        of_loads.loads[k + 2] = load;
+        let yielded = times([-((k + 2) as f64); LANES], load);
+        group.speeds[k + 1] = mul_add::<CHOSEN>(of_loads.yielding, yielded, group.speeds[k + 1]);
     }
 }
 

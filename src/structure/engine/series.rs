@@ -30,8 +30,8 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    /// Present if all loads and all factors of elements are constant, no contact has a normal
-    /// spring, so that none opens, and there are no first-order states.
+    /// Present if the loads of all rigid contacts are constant, so that none of them opens, and all
+    /// factors of elements, and there are no first-order states.
     pub(super) groups: Option<Groups>,
     /// The expander of a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -41,14 +41,12 @@ impl Series {
     pub(super) fn new(model: &Model<'_>, time: f64) -> Self {
         let contacts = model.contacts.iter();
         let contacts: Vec<_> = contacts.map(|c| ContactSeries::new(c, time)).collect();
-        let has_springs = model
-            .contacts
-            .iter()
-            .any(|contact| !contact.reaction.is_empty());
-        let is_simple = !has_springs
-            && model.elements.iter().all(|of| of.factor.is_constant())
+        let loads_vary = contacts.iter().any(|of| of.load_varies);
+        let mut rigid =
+            std::iter::zip(&model.contacts, &contacts).filter(|(contact, _)| !contact.is_elastic());
+        let is_simple = model.elements.iter().all(|of| of.factor.is_constant())
             && model.first_order.is_empty()
-            && contacts.iter().all(|of| !of.load_varies);
+            && rigid.all(|(_, of)| !of.load_varies);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(PowerSeries::of(force))
@@ -74,7 +72,7 @@ impl Series {
             unheld: vec![0.0; model.len()],
             rounding: vec![0.0; model.len()],
             held: Vec::with_capacity(model.shared.len()),
-            groups: is_simple.then(|| Groups::new(model)),
+            groups: is_simple.then(|| Groups::new(model, loads_vary)),
             expander: Expander::new(),
         }
     }

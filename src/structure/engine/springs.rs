@@ -149,25 +149,19 @@ impl ContactSeries {
     }
 
     /// The first two orders of r while the slider is at rest, and of the slider's speed in slip,
-    /// under a constant load, after order 0 of all velocities.
+    /// after order 0 of all velocities; and the first three of the load.
     pub(super) fn first_speeds(
         &mut self,
         contact: &ContactData<'_>,
         coordinates: &[CoordinateSeries],
+        stiffness: f64,
     ) -> [f64; 2] {
-        let velocity = |k: usize| contact.along(|j| coordinates[j].motion.velocity(k));
-        let relative = [0, 1].map(|k| velocity(k) - self.surface[k]);
-        if self.mode != StepMode::Slip {
-            return relative;
+        self.elastic_order(contact, coordinates, stiffness, 1);
+        if self.mode == StepMode::Slip {
+            return [self.speeds[0], self.speeds[1]];
         }
-        // A zero that the decision knows.
-        let is_zero = self.rate.is_some();
-        self.speeds[1] = if is_zero {
-            0.0
-        } else {
-            self.side * relative[1]
-        };
-        [self.speeds[0], self.speeds[1]]
+        let velocity = |k: usize| contact.along(|j| coordinates[j].motion.velocity(k));
+        [0, 1].map(|k| velocity(k) - self.surface[k])
     }
 }
 

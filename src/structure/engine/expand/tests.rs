@@ -94,6 +94,10 @@ fn assert_agree(h: f64, found: &Series, expected: &Series) {
             assert_close(&|of, k| of.contacts[c].speeds[k], ALL + 1, "y");
             assert_close(&|of, k| of.contacts[c].friction[k], ALL, "friction");
         }
+        if found.contacts[c].load_varies {
+            assert_close(&|of, k| of.contacts[c].load[k], ALL + 1, "N");
+            assert_close(&|of, k| of.contacts[c].bounds[0][k], ALL + 1, "bound");
+        }
         for j in 0..found.contacts[c].memories.len() {
             assert_close(&|of, k| of.contacts[c].memories[j][k], ALL + 1, "z");
         }
@@ -250,12 +254,21 @@ fn shared_contacts_have_the_series_of_the_general_way() {
 }
 
 /// Masses joined by elastic contacts and by springs, some on rigid contacts, some coupled by their
-/// mass matrix, in forced motions in which sliders start and stop.
+/// mass matrix, some pressed by normal springs or by loads that vary, in forced motions in which
+/// sliders start and stop.
 #[test]
 fn elastic_contacts_have_the_series_of_the_general_way() {
-    let [mut at_rest, mut slipping] = [0; 2];
+    let [mut at_rest, mut slipping, mut yielding, mut open] = [0; 4];
+    let ways = [
+        [false, false, false],
+        [true, false, false],
+        [false, true, false],
+        [false, false, true],
+        [true, false, true],
+        [false, true, true],
+    ];
     for n in [1, 2, 3, 4, 5, 8, 9] {
-        for [full_mass, with_rigid] in [[false, false], [true, false], [false, true]] {
+        for [full_mass, with_rigid, is_pressed] in ways {
             let mass = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
                 0 => 1.0 + 0.1 * i as f64,
                 1 if full_mass => 0.2,
@@ -264,10 +277,19 @@ fn elastic_contacts_have_the_series_of_the_general_way() {
             let mut structure = Structure::with_mass_matrix(mass).unwrap();
             for i in 0..n {
                 let force = Drive::sine(1.0 + 0.3 * i as f64, 1.3).unwrap();
+                let mut load = Drive::constant(1.0);
+                if is_pressed && i % 4 == 1 {
+                    load = Drive::sine(0.5, 0.9).unwrap().with_constant(1.0).unwrap();
+                }
                 let joint = if i % 3 == 2 {
-                    Contact::between(i, i - 1, Coulomb::new(0.4, 0.4).unwrap(), 1.0)
+                    Contact::between(i, i - 1, Coulomb::new(0.4, 0.4).unwrap(), load)
                 } else {
-                    Contact::new(i, Coulomb::new(0.5, 0.5).unwrap(), 1.0)
+                    Contact::new(i, Coulomb::new(0.5, 0.5).unwrap(), load)
+                };
+                let into: Vec<_> = [(i, 0.4), (i + 1, -0.6)].into_iter().take(n - i).collect();
+                let joint = match is_pressed && i % 2 == 0 {
+                    true => joint.and_then(|joint| joint.with_normal_spring(&into, 1.5)),
+                    false => joint,
                 };
                 let joint = joint
                     .and_then(|joint| joint.with_tangential_stiffness(3.0 + i as f64))
@@ -295,7 +317,10 @@ fn elastic_contacts_have_the_series_of_the_general_way() {
                 for (c, of) in engine.series.contacts.iter().enumerate() {
                     let is_elastic = engine.model.contacts[c].is_elastic();
                     at_rest += usize::from(is_elastic && of.mode == StepMode::Stick);
-                    slipping += usize::from(is_elastic && of.mode == StepMode::Slip);
+                    let slips = is_elastic && of.mode == StepMode::Slip;
+                    slipping += usize::from(slips);
+                    yielding += usize::from(slips && of.load_varies);
+                    open += usize::from(is_elastic && of.mode == StepMode::Open);
                 }
                 let mut general = engine.series.clone();
                 expand_generally(&engine.model, &engine.situation, &mut general);
@@ -303,5 +328,6 @@ fn elastic_contacts_have_the_series_of_the_general_way() {
             }
         }
     }
-    assert!(at_rest > 1000 && slipping > 1000, "{at_rest} {slipping}");
+    println!("{at_rest} {slipping} {yielding} {open}");
+    assert!(at_rest > 1000 && slipping > 1000 && yielding > 1000 && open > 100);
 }
