@@ -7,9 +7,10 @@ use pyo3::prelude::*;
 use stick_slip::{Physical, State};
 
 use crate::any_belt::Belt;
-use crate::convert::{BeltStart, ComplexNumbers, float, shown};
+use crate::convert::{BeltStart, ComplexNumbers, Table, shown};
 use crate::error::OrRaise;
 use crate::law::{LawArgument, PyLaw};
+use crate::made::{Made, Reduced};
 use crate::motion::{AnyMotion, PyMotion, ended_well};
 use crate::record::record;
 use crate::simulate::Settings;
@@ -25,6 +26,8 @@ record! {
     Equilibrium {
         /// The displacement, in units of displacement.
         displacement: f64,
+        /// The derivatives of (u', v') by (u, v), two by two.
+        jacobian: Table,
         /// The two eigenvalues of the linearized equations, per unit of time.
         eigenvalues: ComplexNumbers,
         /// "stable focus", "stable node", "centre", "unstable focus" or "unstable node".
@@ -38,6 +41,14 @@ impl From<stick_slip::Equilibrium> for Equilibrium {
     fn from(equilibrium: stick_slip::Equilibrium) -> Self {
         Self {
             displacement: equilibrium.displacement,
+            jacobian: {
+                let mut table = Table::new(2);
+                for row in 0..2 {
+                    let entry = |column| equilibrium.jacobian[(row, column)];
+                    table.push(&[entry(0), entry(1)]);
+                }
+                table
+            },
             eigenvalues: ComplexNumbers(equilibrium.eigenvalues.to_vec()),
             stability: equilibrium.stability.to_string(),
             is_stable: equilibrium.is_stable(),
@@ -198,8 +209,18 @@ macro_rules! belt_methods {
             }
 
             /// The same system as a `Structure` of one mass.
-            fn structure(&self) -> PyResult<PyStructure> {
-                self.system.structure().or_raise().map(PyStructure::of)
+            fn structure(&self, py: Python<'_>) -> PyResult<PyStructure> {
+                let made = self.made(py)?.then(py, "structure", ())?;
+                let structure = self.system.structure().or_raise()?;
+                Ok(PyStructure::of(structure, made))
+            }
+
+            fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                self.made(py)?.text(py)
+            }
+
+            fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+                self.made(py)?.reduced(py)
             }
 
             /// The motion from a start.
@@ -289,17 +310,15 @@ belt_methods!(PyBelt {
             load.unwrap_or(self.load),
         )
     }
-
-    fn __repr__(&self) -> String {
-        format!(
-            "MassOnBelt({}, {}, damping={}, load={})",
-            self.law.get().text(),
-            float(self.belt_velocity),
-            float(self.damping),
-            float(self.load)
-        )
-    }
 });
+
+impl PyBelt {
+    fn made(&self, py: Python<'_>) -> PyResult<Made> {
+        Made::by(py, "MassOnBelt", (&self.law, self.belt_velocity))?
+            .with(py, "damping", self.damping)?
+            .with(py, "load", self.load)
+    }
+}
 
 belt_methods!(PyPhysicalBelt {
     #[new]
@@ -370,18 +389,16 @@ belt_methods!(PyPhysicalBelt {
             damping.unwrap_or(own.damping),
         )
     }
-
-    fn __repr__(&self) -> String {
-        let own = self.physical;
-        format!(
-            "PhysicalMassOnBelt({}, mass={}, stiffness={}, normal_force={}, belt_velocity={}, \
-             damping={})",
-            self.law.get().text(),
-            float(own.mass),
-            float(own.stiffness),
-            float(own.normal_force),
-            float(own.belt_velocity),
-            float(own.damping)
-        )
-    }
 });
+
+impl PyPhysicalBelt {
+    fn made(&self, py: Python<'_>) -> PyResult<Made> {
+        let own = self.physical;
+        Made::by(py, "PhysicalMassOnBelt", (&self.law,))?
+            .with(py, "mass", own.mass)?
+            .with(py, "stiffness", own.stiffness)?
+            .with(py, "normal_force", own.normal_force)?
+            .with(py, "belt_velocity", own.belt_velocity)?
+            .with(py, "damping", own.damping)
+    }
+}

@@ -4,11 +4,12 @@ use pyo3::prelude::*;
 use stick_slip::structure::State;
 
 use crate::contact_law::{ContactLawArgument, freewheel};
-use crate::convert::{Direction, Index, Numbers, Points, direction_text, float};
+use crate::convert::{Direction, Index, Numbers, Points, Table};
 use crate::drive::DriveArgument;
 use crate::error::OrRaise;
 use crate::force::{ForceLawArgument, with_force};
 use crate::law::LawArgument;
+use crate::made::{Made, Reduced};
 
 /// A friction contact of a structure: relative velocity r = b v - w, friction force N mu(r).
 ///
@@ -46,7 +47,7 @@ use crate::law::LawArgument;
 #[pyclass(frozen, name = "Contact", module = "stick_slip")]
 pub struct PyContact {
     pub contact: stick_slip::Contact,
-    text: String,
+    made: Made,
 }
 
 /// The keyword arguments of a contact.
@@ -58,58 +59,56 @@ struct Options<'py> {
     load_laws: Vec<(Direction, ForceLawArgument<'py>)>,
 }
 
+/// The direction of what acts between two coordinates.
+fn between(i: Index, j: Index) -> Direction {
+    Direction(vec![(i.0, 1.0), (j.0, -1.0)])
+}
+
 impl PyContact {
     fn build(
-        direction: &[(usize, f64)],
+        py: Python<'_>,
+        direction: Direction,
         law: &ContactLawArgument<'_>,
         load: &DriveArgument<'_>,
         options: Options<'_>,
     ) -> PyResult<Self> {
-        let mut contact = law.contact(direction, load.drive()).or_raise()?;
-        let mut text = format!(
-            "{}, {}, {}",
-            direction_text(direction),
-            law.text(),
-            load.text()
-        );
+        let mut contact = law.contact(&direction.0, load.drive()).or_raise()?;
+        let mut made = Made::by(py, "Contact", (&direction, law.object(), load))?;
         if let Some(velocity) = options.belt_velocity {
-            text += &format!(", belt_velocity={}", velocity.text());
+            made = made.with(py, "belt_velocity", &velocity)?;
             contact = contact.on_belt(velocity.drive());
         }
-        if let Some(Direction(gradient)) = options.load_gradient {
-            text += &format!(", load_gradient={}", direction_text(&gradient));
-            for (coordinate, gradient) in gradient {
+        if let Some(gradient) = options.load_gradient {
+            for (coordinate, gradient) in gradient.0 {
                 contact = contact
                     .with_load_gradient(coordinate, gradient)
                     .or_raise()?;
             }
+            let gradient = Direction(contact.load_gradient().to_vec());
+            made = made.with(py, "load_gradient", &gradient)?;
         }
         if let Some(stiffness) = options.tangential_stiffness {
-            text += &format!(", tangential_stiffness={}", float(stiffness));
+            made = made.with(py, "tangential_stiffness", stiffness)?;
             contact = contact.with_tangential_stiffness(stiffness).or_raise()?;
         }
-        if let Some((Direction(direction), stiffness)) = options.normal_spring {
-            let spring = (direction_text(&direction), float(stiffness));
-            text += &format!(", normal_spring=({}, {})", spring.0, spring.1);
+        if let Some((direction, stiffness)) = options.normal_spring {
+            made = made.with(py, "normal_spring", (&direction, stiffness))?;
             contact = contact
-                .with_normal_spring(&direction, stiffness)
+                .with_normal_spring(&direction.0, stiffness)
                 .or_raise()?;
         }
-        let mut laws = Vec::new();
-        for (Direction(direction), law) in options.load_laws {
-            let law = law.0.get();
-            laws.push(format!("({}, {})", direction_text(&direction), law.text()));
-            let with =
-                with_force!(law.force.clone(), law => contact.with_load_law(&direction, law));
+        let laws: Vec<_> = options
+            .load_laws
+            .iter()
+            .map(|(direction, law)| (direction, &law.0))
+            .collect();
+        made = made.with_given(py, "load_laws", (!laws.is_empty()).then_some(laws))?;
+        for (Direction(direction), law) in &options.load_laws {
+            let law = law.0.get().force.clone();
+            let with = with_force!(law, law => contact.with_load_law(direction, law));
             contact = with.or_raise()?;
         }
-        if !laws.is_empty() {
-            text += &format!(", load_laws=[{}]", laws.join(", "));
-        }
-        Ok(Self {
-            contact,
-            text: format!("Contact({text})"),
-        })
+        Ok(Self { contact, made })
     }
 }
 
@@ -119,6 +118,7 @@ impl PyContact {
     #[pyo3(signature = (direction, law, load, *, belt_velocity = None, load_gradient = None,
         tangential_stiffness = None, normal_spring = None, load_laws = Vec::new()))]
     fn new(
+        py: Python<'_>,
         direction: Direction,
         law: ContactLawArgument<'_>,
         load: DriveArgument<'_>,
@@ -135,7 +135,7 @@ impl PyContact {
             normal_spring,
             load_laws,
         };
-        Self::build(&direction.0, &law, &load, options)
+        Self::build(py, direction, &law, &load, options)
     }
 
     /// A contact between coordinates i and j: a clutch, a damper between blades, a pad on a disc.
@@ -143,6 +143,7 @@ impl PyContact {
     #[pyo3(signature = (i, j, law, load, *, belt_velocity = None, load_gradient = None,
         tangential_stiffness = None, normal_spring = None, load_laws = Vec::new()))]
     fn between(
+        py: Python<'_>,
         i: Index,
         j: Index,
         law: ContactLawArgument<'_>,
@@ -160,7 +161,7 @@ impl PyContact {
             normal_spring,
             load_laws,
         };
-        Self::build(&[(i.0, 1.0), (j.0, -1.0)], &law, &load, options)
+        Self::build(py, between(i, j), &law, &load, options)
     }
 
     /// A freewheel (one-way clutch) between coordinates i and j: it drives j by i, and lets j run
@@ -184,22 +185,16 @@ impl PyContact {
     #[pyo3(signature = (i, j, *, drag = None, load = DriveArgument::Number(1.0)),
         text_signature = "(i, j, *, drag=None, load=1.0)")]
     fn freewheel(
+        py: Python<'_>,
         i: Index,
         j: Index,
         drag: Option<LawArgument<'_>>,
         load: DriveArgument<'_>,
     ) -> PyResult<Self> {
-        let law = freewheel(drag)?;
-        let direction = [(i.0, 1.0), (j.0, -1.0)];
-        Ok(Self {
-            contact: law.contact(&direction, load.drive()).or_raise()?,
-            text: format!(
-                "Contact({}, {}, {})",
-                direction_text(&direction),
-                law.text(),
-                load.text()
-            ),
-        })
+        let (law, direction) = (freewheel(py, drag)?, between(i, j));
+        let contact = law.contact(&direction.0, load.drive()).or_raise()?;
+        let made = Made::by(py, "Contact", (&direction, law, &load))?;
+        Ok(Self { contact, made })
     }
 
     /// This elastic contact as several in parallel, which slide one after the other.
@@ -211,22 +206,15 @@ impl PyContact {
     /// >>> joint = Iwan4(3.0, 2.0, -0.1, 0.1)
     /// >>> len(Contact(0, Coulomb(1.0, 1.0), 1.0).in_parallel(joint.elements(3, 0.5)))
     /// 4
-    fn in_parallel(&self, elements: Points) -> PyResult<Vec<Self>> {
+    fn in_parallel(&self, py: Python<'_>, elements: Points) -> PyResult<Vec<Self>> {
         let contacts = self.contact.in_parallel(&elements.0).or_raise()?;
-        let text = |contact: &stick_slip::Contact| {
-            let stiffness = contact.tangential_stiffness().unwrap_or(0.0);
-            format!(
-                "<Contact in parallel, tangential_stiffness={}>",
-                float(stiffness)
-            )
+        let elements = Table::of_pairs(&elements.0);
+        let all = self.made.then(py, "in_parallel", (elements,))?;
+        let one = |(number, contact): (usize, stick_slip::Contact)| {
+            let made = all.then(py, "__getitem__", (number,))?;
+            Ok(Self { contact, made })
         };
-        Ok(contacts
-            .into_iter()
-            .map(|it| Self {
-                text: text(&it),
-                contact: it,
-            })
-            .collect())
+        contacts.into_iter().enumerate().map(one).collect()
     }
 
     /// The direction b, a dict {coordinate: coefficient}.
@@ -254,7 +242,11 @@ impl PyContact {
         }
     }
 
-    fn __repr__(&self) -> &str {
-        &self.text
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.text(py)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.made.reduced(py)
     }
 }

@@ -7,9 +7,10 @@ use stick_slip::{
     LuGre, RateState2,
 };
 
-use crate::convert::{Numbers, elementwise, float};
+use crate::convert::{Numbers, elementwise};
 use crate::error::OrRaise;
 use crate::law::{Kind, LawArgument, PyLaw, with_law};
+use crate::made::{Made, Reduced};
 use crate::traced::Traced;
 
 /// A law for contacts of a `Structure` only: it depends on the direction of slip (`Directional`,
@@ -17,7 +18,7 @@ use crate::traced::Traced;
 #[pyclass(frozen, subclass, name = "ContactLaw", module = "stick_slip")]
 pub struct PyContactLaw {
     law: AnyContactLaw,
-    text: String,
+    made: Made,
 }
 
 /// A contact law with the type of its dry law.
@@ -87,11 +88,6 @@ impl PyContactLaw {
         &self.law
     }
 
-    /// How the law was made.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
     pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
         match self.law.clone() {
             AnyContactLaw::Directional(forward, backward) => {
@@ -142,8 +138,26 @@ impl PyContactLaw {
         }
     }
 
-    fn __repr__(&self) -> &str {
-        &self.text
+    /// The rate d mu_s/dt at which the static coefficient of a `Dwell` rises after so much time in
+    /// stick; per unit of time. None for another law.
+    ///
+    /// >>> from stick_slip import Coulomb, Dwell
+    /// >>> Dwell(Coulomb(0.3, 0.2), limit=0.5, time=2.0).static_rate(0.0)
+    /// 0.1
+    fn static_rate(&self, rest: f64) -> Option<f64> {
+        match &self.law {
+            AnyContactLaw::DwellNamed(law, _) => Some(law.static_rate(rest)),
+            AnyContactLaw::DwellTraced(law) => Some(law.static_rate(rest)),
+            _ => None,
+        }
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.text(py)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.made.reduced(py)
     }
 }
 
@@ -167,11 +181,17 @@ impl PyContactLaw {
 /// >>> abs(motion.events["time"][0] - math.asin(0.2) / (2 * math.pi)) < 1e-15
 /// np.True_
 #[pyfunction(name = "Directional")]
-pub fn directional(forward: LawArgument<'_>, backward: LawArgument<'_>) -> PyResult<PyContactLaw> {
-    let [forward, backward] = [forward.0.get(), backward.0.get()];
-    let text = format!("Directional({}, {})", forward.text(), backward.text());
-    let law = AnyContactLaw::Directional(forward.kind.clone(), backward.kind.clone());
-    Ok(PyContactLaw { law, text })
+pub fn directional(
+    py: Python<'_>,
+    forward: LawArgument<'_>,
+    backward: LawArgument<'_>,
+) -> PyResult<PyContactLaw> {
+    let [forward, backward] = [forward.0, backward.0];
+    let kinds = [&forward, &backward].map(|law| law.get().kind.clone());
+    let [one, other] = kinds;
+    let law = AnyContactLaw::Directional(one, other);
+    let made = Made::by(py, "Directional", (forward, backward))?;
+    Ok(PyContactLaw { law, made })
 }
 
 /// A rope or a band around a drum (Euler and Eytelwein): a `Directional` law.
@@ -194,20 +214,17 @@ pub fn directional(forward: LawArgument<'_>, backward: LawArgument<'_>) -> PyRes
 /// 50.0
 #[pyfunction(name = "Capstan")]
 pub fn capstan(
+    py: Python<'_>,
     static_coefficient: f64,
     kinetic_coefficient: f64,
     wrap: f64,
 ) -> PyResult<PyContactLaw> {
     let law = Directional::capstan(static_coefficient, kinetic_coefficient, wrap).or_raise()?;
     let [forward, backward] = [law.forward(), law.backward()].map(|law| Kind::Named((*law).into()));
-    let text = format!(
-        "Capstan({}, {}, {})",
-        float(static_coefficient),
-        float(kinetic_coefficient),
-        float(wrap)
-    );
+    let numbers = (static_coefficient, kinetic_coefficient, wrap);
+    let made = Made::by(py, "Capstan", numbers)?;
     let law = AnyContactLaw::Directional(forward, backward);
-    Ok(PyContactLaw { law, text })
+    Ok(PyContactLaw { law, made })
 }
 
 /// A freewheel (one-way clutch, backstop): it slips with a negative relative velocity only, and
@@ -225,17 +242,19 @@ pub fn capstan(
 /// (array(['stick', 'release'], dtype='<U8'), array([1. , 1.5]))
 #[pyfunction(name = "Freewheel")]
 #[pyo3(signature = (drag = None))]
-pub fn freewheel(drag: Option<LawArgument<'_>>) -> PyResult<PyContactLaw> {
-    let (drag, text) = match drag {
-        Some(LawArgument(law)) => (law.get().kind.clone(), law.get().text().to_owned()),
+pub fn freewheel(py: Python<'_>, drag: Option<LawArgument<'_>>) -> PyResult<PyContactLaw> {
+    let (drag, made) = match drag {
+        Some(LawArgument(law)) => {
+            let kind = law.get().kind.clone();
+            (kind, Made::by(py, "Freewheel", (law,))?)
+        }
         None => (
             Kind::Named(Coulomb::new(0.0, 0.0).or_raise()?.into()),
-            String::new(),
+            Made::by(py, "Freewheel", ())?,
         ),
     };
     let law = AnyContactLaw::Freewheel(drag);
-    let text = format!("Freewheel({text})");
-    Ok(PyContactLaw { law, text })
+    Ok(PyContactLaw { law, made })
 }
 
 /// Static friction that rises with the time in stick. Give `limit` or `rate`:
@@ -257,34 +276,29 @@ pub fn freewheel(drag: Option<LawArgument<'_>>) -> PyResult<PyContactLaw> {
 #[pyfunction(name = "Dwell")]
 #[pyo3(signature = (law, *, time, limit = None, rate = None, hyperbolic = false))]
 pub fn dwell(
+    py: Python<'_>,
     law: LawArgument<'_>,
     time: f64,
     limit: Option<f64>,
     rate: Option<f64>,
     hyperbolic: bool,
 ) -> PyResult<PyContactLaw> {
-    let law = law.0.get();
     let rise = Rise {
         time,
         limit,
         rate,
         hyperbolic,
     };
-    let mut text = format!("Dwell({}", law.text());
-    for (name, value) in [("limit", limit), ("rate", rate), ("time", Some(time))] {
-        if let Some(value) = value {
-            text += &format!(", {name}={}", float(value));
-        }
-    }
-    if hyperbolic {
-        text += ", hyperbolic=True";
-    }
-    text += ")";
-    let law = match &law.kind {
+    let made = Made::by(py, "Dwell", (&law.0,))?
+        .with_given(py, "limit", limit)?
+        .with_given(py, "rate", rate)?
+        .with(py, "time", time)?
+        .with_given(py, "hyperbolic", hyperbolic.then_some(true))?;
+    let law = match &law.0.get().kind {
         Kind::Named(law) => AnyContactLaw::DwellNamed(rise.of(law.clone())?, rise),
         Kind::Traced(law) => AnyContactLaw::DwellTraced(rise.of(law.clone())?),
     };
-    Ok(PyContactLaw { law, text })
+    Ok(PyContactLaw { law, made })
 }
 
 /// Dahl's bristle model: elastic before it slides, without a static limit.
@@ -297,10 +311,10 @@ pub fn dwell(
 /// >>> Dahl(0.3, 1e4)
 /// Dahl(0.3, 10000.0)
 #[pyfunction(name = "Dahl")]
-pub fn dahl(coefficient: f64, stiffness: f64) -> PyResult<PyContactLaw> {
+pub fn dahl(py: Python<'_>, coefficient: f64, stiffness: f64) -> PyResult<PyContactLaw> {
     let law = AnyContactLaw::Dahl(Dahl::new(coefficient, stiffness).or_raise()?);
-    let text = format!("Dahl({}, {})", float(coefficient), float(stiffness));
-    Ok(PyContactLaw { law, text })
+    let made = Made::by(py, "Dahl", (coefficient, stiffness))?;
+    Ok(PyContactLaw { law, made })
 }
 
 /// The LuGre bristle model.
@@ -317,20 +331,15 @@ pub fn dahl(coefficient: f64, stiffness: f64) -> PyResult<PyContactLaw> {
 #[pyfunction(name = "LuGre")]
 #[pyo3(signature = (law, stiffness, damping, viscous = 0.0))]
 pub fn lugre(
+    py: Python<'_>,
     law: LawArgument<'_>,
     stiffness: f64,
     damping: f64,
     viscous: f64,
 ) -> PyResult<PyContactLaw> {
-    let law = law.0.get();
-    let text = format!(
-        "LuGre({}, {}, {}, viscous={})",
-        law.text(),
-        float(stiffness),
-        float(damping),
-        float(viscous)
-    );
-    let law = match &law.kind {
+    let made = Made::by(py, "LuGre", (&law.0, stiffness, damping))?;
+    let made = made.with(py, "viscous", viscous)?;
+    let law = match &law.0.get().kind {
         Kind::Named(law) => AnyContactLaw::LuGreNamed(
             LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?,
         ),
@@ -338,15 +347,20 @@ pub fn lugre(
             LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?,
         ),
     };
-    Ok(PyContactLaw { law, text })
+    Ok(PyContactLaw { law, made })
 }
 
-fn number_or_pair(numbers: &Numbers) -> String {
-    let texts: Vec<String> = numbers.0.iter().copied().map(float).collect();
-    match &texts[..] {
-        [number] => number.clone(),
-        _ => format!("({})", texts.join(", ")),
-    }
+/// A number, or a pair of numbers for two state variables, as it was given.
+fn number_or_pair<'py>(py: Python<'py>, numbers: &Numbers) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match numbers.0[..] {
+        [number] => number.into_pyobject(py)?.into_any(),
+        [first, second] => (first, second).into_pyobject(py)?.into_any(),
+        _ => {
+            return Err(PyValueError::new_err(
+                "b and d_c are two numbers or two pairs",
+            ));
+        }
+    })
 }
 
 /// Rate-and-state friction: the coefficient depends on the logarithm of the sliding speed V and of
@@ -389,6 +403,7 @@ impl PyRateState {
     #[new]
     #[pyo3(signature = (*, f0, a, b, d_c, v0, evolution = "aging", least_speed = None))]
     fn new(
+        py: Python<'_>,
         f0: f64,
         a: f64,
         b: Numbers,
@@ -402,14 +417,14 @@ impl PyRateState {
             "slip" => stick_slip::RateState::slip,
             _ => return Err(PyValueError::new_err("evolution is 'aging' or 'slip'")),
         };
-        let mut text = format!(
-            "RateState(f0={}, a={}, b={}, d_c={}, v0={}, evolution='{evolution}'",
-            float(f0),
-            float(a),
-            number_or_pair(&b),
-            number_or_pair(&d_c),
-            float(v0)
-        );
+        let made = Made::by(py, "RateState", ())?
+            .with(py, "f0", f0)?
+            .with(py, "a", a)?
+            .with(py, "b", number_or_pair(py, &b)?)?
+            .with(py, "d_c", number_or_pair(py, &d_c)?)?
+            .with(py, "v0", v0)?
+            .with(py, "evolution", evolution)?
+            .with_given(py, "least_speed", least_speed)?;
         let mut law = match (&b.0[..], &d_c.0[..]) {
             (&[b], &[d_c]) => AnyRateState::One(new(f0, a, b, d_c, v0).or_raise()?),
             (&[b, b2], &[d_c, d_c2]) => {
@@ -426,7 +441,6 @@ impl PyRateState {
             }
         };
         if let Some(speed) = least_speed {
-            text += &format!(", least_speed={}", float(speed));
             law = match law {
                 AnyRateState::One(law) => {
                     AnyRateState::One(law.with_least_speed(speed).or_raise()?)
@@ -436,10 +450,9 @@ impl PyRateState {
                 }
             };
         }
-        text += ")";
         let base = PyContactLaw {
             law: AnyContactLaw::RateState(law),
-            text,
+            made,
         };
         Ok(PyClassInitializer::from(base).add_subclass(Self(law)))
     }
@@ -510,7 +523,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for ContactLawArgument<'py> {
     }
 }
 
-impl ContactLawArgument<'_> {
+impl<'py> ContactLawArgument<'py> {
     pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
         match self {
             Self::Dry(law) => law.get().kind.contact(direction, load),
@@ -518,10 +531,11 @@ impl ContactLawArgument<'_> {
         }
     }
 
-    pub fn text(&self) -> &str {
+    /// The law as Python has it.
+    pub fn object(&self) -> &Bound<'py, PyAny> {
         match self {
-            Self::Dry(law) => law.get().text(),
-            Self::Other(law) => law.get().text(),
+            Self::Dry(law) => law.as_any(),
+            Self::Other(law) => law.as_any(),
         }
     }
 }

@@ -92,6 +92,14 @@ impl Table {
         self.rows += 1;
     }
 
+    pub fn of_pairs(pairs: &[(f64, f64)]) -> Self {
+        let mut table = Self::with_rows(pairs.len(), 2);
+        for (first, second) in pairs {
+            table.push(&[*first, *second]);
+        }
+        table
+    }
+
     pub fn of(matrix: &nalgebra::DMatrix<f64>) -> Self {
         let mut table = Self::with_rows(matrix.nrows(), matrix.ncols());
         for i in 0..matrix.nrows() {
@@ -183,10 +191,18 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Direction {
     }
 }
 
-/// A direction as Python writes it.
-pub fn direction_text(direction: &[(usize, f64)]) -> String {
-    let terms = direction.iter().map(|(i, b)| format!("{i}: {}", float(*b)));
-    format!("{{{}}}", terms.collect::<Vec<_>>().join(", "))
+impl<'py> IntoPyObject<'py> for &Direction {
+    type Target = PyDict;
+    type Output = Bound<'py, PyDict>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        let direction = PyDict::new(py);
+        for (number, coefficient) in &self.0 {
+            direction.set_item(number, coefficient)?;
+        }
+        Ok(direction)
+    }
 }
 
 /// Pairs of numbers: the points of a table or of a profile, as pairs or as an array of two columns.

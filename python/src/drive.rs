@@ -1,21 +1,24 @@
 //! `Drive`: functions of time.
 
+use std::sync::Arc;
+
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use stick_slip::{Drive, Error};
 
-use crate::convert::{Points, elementwise, float};
+use crate::convert::{Points, Table, elementwise, float};
 use crate::error::OrRaise;
+use crate::made::{Made, Reduced};
 use crate::traced::{TracedTime, pieces_of};
 
 /// One term of a drive.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 enum Term {
     Constant(f64),
     Harmonic(f64, f64, f64),
     Sine(f64, f64),
     Profile(Vec<(f64, f64)>),
-    Function(TracedTime, String),
+    Function(TracedTime, Arc<Made>),
 }
 
 impl Term {
@@ -31,20 +34,25 @@ impl Term {
         }
     }
 
-    fn text(&self) -> String {
-        match self {
-            Self::Constant(value) => float(*value),
-            Self::Harmonic(amplitude, frequency, phase) => format!(
-                "Drive.harmonic({}, {}, phase={})",
-                float(*amplitude),
-                float(*frequency),
-                float(*phase)
-            ),
-            Self::Sine(amplitude, frequency) => {
-                format!("Drive.sine({}, {})", float(*amplitude), float(*frequency))
+    fn made(&self, py: Python<'_>) -> PyResult<Arc<Made>> {
+        let made = match self {
+            Self::Constant(value) => Made::by(py, "Drive.constant", (*value,)),
+            Self::Harmonic(amplitude, frequency, phase) => {
+                Made::by(py, "Drive.harmonic", (*amplitude, *frequency))?.with(py, "phase", *phase)
             }
-            Self::Profile(points) => format!("Drive.profile(<{} points>)", points.len()),
-            Self::Function(_, text) => text.clone(),
+            Self::Sine(amplitude, frequency) => {
+                Made::by(py, "Drive.sine", (*amplitude, *frequency))
+            }
+            Self::Profile(points) => Made::by(py, "Drive.profile", (Table::of_pairs(points),)),
+            Self::Function(_, made) => return Ok(made.clone()),
+        };
+        made.map(Arc::new)
+    }
+
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        match self {
+            Self::Constant(value) => Ok(float(*value)),
+            term => term.made(py)?.text(py),
         }
     }
 }
@@ -138,21 +146,21 @@ impl PyDrive {
         breakpoints: Vec<f64>,
         period: Option<f64>,
     ) -> PyResult<Self> {
-        let (pieces, shown) = pieces_of(py, function, &breakpoints, &["t"])?;
-        let (pieces, breakpoints) = (pieces.into(), breakpoints.into());
+        let (pieces, formulas) = pieces_of(py, function, breakpoints.len(), &["t"])?;
+        let meet = (!breakpoints.is_empty()).then(|| breakpoints.clone());
+        let made = Made::by(py, "Drive.function", (formulas,))?
+            .with(py, "size", size)?
+            .with(py, "timescale", timescale)?
+            .with_given(py, "breakpoints", meet)?
+            .with_given(py, "period", period)?;
         let function = TracedTime {
-            pieces,
-            breakpoints,
+            pieces: pieces.into(),
+            breakpoints: breakpoints.into(),
             size,
             timescale,
             period,
         };
-        let text = format!(
-            "Drive.function({shown}, size={}, timescale={})",
-            float(size),
-            float(timescale)
-        );
-        Self::of(vec![Term::Function(function, text)])
+        Self::of(vec![Term::Function(function, Arc::new(made))])
     }
 
     /// The value at a time, or at an array of times.
@@ -185,12 +193,21 @@ impl PyDrive {
         self.__add__(DriveArgument::Number(other))
     }
 
-    fn __repr__(&self) -> String {
-        self.terms
-            .iter()
-            .map(Term::text)
-            .collect::<Vec<_>>()
-            .join(" + ")
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let texts = self.terms.iter().map(|term| term.text(py));
+        Ok(texts.collect::<PyResult<Vec<_>>>()?.join(" + "))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        let [first, rest @ ..] = &self.terms[..] else {
+            return Made::by(py, "Drive.constant", (0.0,))?.reduced(py);
+        };
+        let mut made = first.made(py)?;
+        for term in rest {
+            let term = Self::of(vec![term.clone()])?;
+            made = Arc::new(made.then(py, "__add__", (term,))?);
+        }
+        made.reduced(py)
     }
 }
 
@@ -223,12 +240,17 @@ impl DriveArgument<'_> {
             Self::Number(value) => Drive::constant(*value),
         }
     }
+}
 
-    /// As Python writes it.
-    pub fn text(&self) -> String {
+impl<'py> IntoPyObject<'py> for &DriveArgument<'py> {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
         match self {
-            Self::Drive(drive) => drive.get().__repr__(),
-            Self::Number(value) => float(*value),
+            DriveArgument::Drive(drive) => Ok(drive.clone().into_any()),
+            DriveArgument::Number(value) => Ok(value.into_pyobject(py)?.into_any()),
         }
     }
 }

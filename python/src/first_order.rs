@@ -3,10 +3,11 @@
 use pyo3::prelude::*;
 use stick_slip::FirstOrder;
 
-use crate::convert::{Direction, Index, direction_text, float};
+use crate::convert::{Direction, Index};
 use crate::drive::DriveArgument;
 use crate::error::OrRaise;
 use crate::force::{ForceLawArgument, with_force};
+use crate::made::{Made, Reduced};
 
 /// A first-order state z of a `Structure`: the integral of a controller, the current of a motor,
 /// the pressure of an actuator, the output of a filter, the force of a Maxwell damper.
@@ -49,7 +50,7 @@ use crate::force::{ForceLawArgument, with_force};
 #[pyclass(frozen, name = "FirstOrder", module = "stick_slip")]
 pub struct PyFirstOrder {
     pub state: FirstOrder,
-    text: String,
+    made: Made,
 }
 
 type Laws<'py, P> = Vec<(P, ForceLawArgument<'py>)>;
@@ -60,6 +61,7 @@ impl PyFirstOrder {
     #[pyo3(signature = (*, time_constant = None, displacements = None, velocities = None,
         states = None, drive = None, laws = Vec::new(), state_laws = Vec::new(), forces = None))]
     fn new(
+        py: Python<'_>,
         time_constant: Option<f64>,
         displacements: Option<Direction>,
         velocities: Option<Direction>,
@@ -69,13 +71,11 @@ impl PyFirstOrder {
         state_laws: Laws<'_, Index>,
         forces: Option<Direction>,
     ) -> PyResult<Self> {
-        let mut texts = Vec::new();
+        let mut made = Made::by(py, "FirstOrder", ())?;
+        made = made.with_given(py, "time_constant", time_constant)?;
         let mut state = match time_constant {
             None => FirstOrder::integrator(),
-            Some(time) => {
-                texts.push(format!("time_constant={}", float(time)));
-                FirstOrder::lag(time).or_raise()?
-            }
+            Some(time) => FirstOrder::lag(time).or_raise()?,
         };
         let gains = [
             (
@@ -91,6 +91,7 @@ impl PyFirstOrder {
                 state = with(state, number, gain).or_raise()?;
             }
         }
+        // Gains that were given twice are added.
         let gains = [
             ("displacements", state.displacements()),
             ("velocities", state.velocities()),
@@ -98,36 +99,27 @@ impl PyFirstOrder {
             ("forces", state.forces()),
         ];
         for (name, gains) in gains.into_iter().filter(|(_, gains)| !gains.is_empty()) {
-            texts.push(format!("{name}={}", direction_text(gains)));
+            made = made.with(py, name, &Direction(gains.to_vec()))?;
         }
+        made = made.with_given(py, "drive", drive.as_ref())?;
         if let Some(drive) = drive {
-            texts.push(format!("drive={}", drive.text()));
             state = state.with_drive(drive.drive()).or_raise()?;
         }
-        let mut shown = Vec::new();
-        for (Direction(direction), law) in laws {
-            let law = law.0.get();
-            shown.push(format!("({}, {})", direction_text(&direction), law.text()));
-            let with = with_force!(law.force.clone(), law => state.with_law(&direction, law));
+        let given: Vec<_> = laws.iter().map(|(it, law)| (it, &law.0)).collect();
+        made = made.with_given(py, "laws", (!given.is_empty()).then_some(given))?;
+        for (Direction(direction), law) in &laws {
+            let law = law.0.get().force.clone();
+            let with = with_force!(law, law => state.with_law(direction, law));
             state = with.or_raise()?;
         }
-        if !shown.is_empty() {
-            texts.push(format!("laws=[{}]", shown.join(", ")));
-        }
-        let mut shown = Vec::new();
-        for (Index(number), law) in state_laws {
-            let law = law.0.get();
-            shown.push(format!("({number}, {})", law.text()));
-            let with = with_force!(law.force.clone(), law => state.with_law_of_state(number, law));
+        let given: Vec<_> = state_laws.iter().map(|(it, law)| (it.0, &law.0)).collect();
+        made = made.with_given(py, "state_laws", (!given.is_empty()).then_some(given))?;
+        for (Index(number), law) in &state_laws {
+            let law = law.0.get().force.clone();
+            let with = with_force!(law, law => state.with_law_of_state(*number, law));
             state = with.or_raise()?;
         }
-        if !shown.is_empty() {
-            texts.push(format!("state_laws=[{}]", shown.join(", ")));
-        }
-        Ok(Self {
-            state,
-            text: format!("FirstOrder({})", texts.join(", ")),
-        })
+        Ok(Self { state, made })
     }
 
     /// The time constant of a lag, in units of time; None for an integrator.
@@ -136,7 +128,11 @@ impl PyFirstOrder {
         self.state.time_constant()
     }
 
-    fn __repr__(&self) -> &str {
-        &self.text
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.text(py)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.made.reduced(py)
     }
 }

@@ -1,16 +1,16 @@
 //! Dry friction laws: `Law`, and the distribution `Iwan4` of joints.
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use stick_slip::{
     AnyLaw, Contact, Coulomb, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Physical,
     PhysicalMassOnBelt, Polynomial, Rational, Stribeck, Tabulated,
 };
 
 use crate::any_belt::Belt;
-use crate::convert::{Points, elementwise, float, shown};
+use crate::convert::{Points, Table, elementwise, shown};
 use crate::error::{OrRaise, in_python};
+use crate::made::{Made, Reduced};
 use crate::traced::{Traced, pieces_of};
 
 /// Runs an expression with the law of either kind, so that each keeps the crate's own code.
@@ -91,21 +91,16 @@ impl Kind {
 #[pyclass(frozen, name = "Law", module = "stick_slip")]
 pub struct PyLaw {
     pub kind: Kind,
-    text: String,
+    made: Made,
 }
 
 impl PyLaw {
-    /// How the law was made.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
-    fn named(law: impl Into<AnyLaw>) -> Self {
-        let law = law.into();
-        Self {
-            text: text(&law),
+    fn named(py: Python<'_>, law: Result<impl Into<AnyLaw>, Error>) -> PyResult<Self> {
+        let law = law.or_raise()?.into();
+        Ok(Self {
+            made: made(py, &law)?,
             kind: Kind::Named(law),
-        }
+        })
     }
 }
 
@@ -119,18 +114,16 @@ impl PyLaw {
         r#static: f64,
         breakpoints: Vec<f64>,
     ) -> PyResult<Self> {
-        let (pieces, shown) = pieces_of(py, function, &breakpoints, &["s"])?;
-        let law = Traced::new(r#static, pieces, breakpoints.clone());
+        let (pieces, formulas) = pieces_of(py, function, breakpoints.len(), &["s"])?;
+        let meet = (!breakpoints.is_empty()).then(|| breakpoints.clone());
+        let made = Made::by(py, "Law", (formulas,))?
+            .with(py, "static", r#static)?
+            .with_given(py, "breakpoints", meet)?;
+        let law = Traced::new(r#static, pieces, breakpoints);
         law.check().or_raise()?;
-        let breakpoints = if breakpoints.is_empty() {
-            String::new()
-        } else {
-            format!(", breakpoints={breakpoints:?}")
-        };
-        let text = format!("Law({shown}, static={}{breakpoints})", float(r#static));
         Ok(Self {
             kind: Kind::Traced(law),
-            text,
+            made,
         })
     }
 
@@ -198,76 +191,12 @@ impl PyLaw {
         Ok(faults.or_raise()?.iter().map(in_python).collect())
     }
 
-    fn __repr__(&self) -> &str {
-        &self.text
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made.text(py)
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-        let module = py.import("stick_slip")?;
-        let Kind::Named(law) = &self.kind else {
-            return Err(PyValueError::new_err(
-                "a law of your own is a function, which cannot be pickled: make the law anew in \
-                 each process",
-            ));
-        };
-        Ok(match law {
-            AnyLaw::Coulomb(law) => (
-                module.getattr("Coulomb")?,
-                (law.static_coefficient(), law.kinetic_coefficient()).into_pyobject(py)?,
-            ),
-            AnyLaw::Exponential(law) => (
-                module.getattr("Exponential")?,
-                (
-                    law.static_coefficient(),
-                    law.kinetic_coefficient(),
-                    law.stribeck_velocity(),
-                )
-                    .into_pyobject(py)?,
-            ),
-            AnyLaw::Polynomial(law) => (
-                module.getattr("Polynomial")?,
-                (
-                    law.static_coefficient(),
-                    law.minimum_coefficient(),
-                    law.minimum_velocity(),
-                )
-                    .into_pyobject(py)?,
-            ),
-            AnyLaw::Rational(law) => (
-                module.getattr("Rational")?,
-                (
-                    law.static_coefficient(),
-                    law.decay(),
-                    law.offset(),
-                    law.quadratic(),
-                )
-                    .into_pyobject(py)?,
-            ),
-            AnyLaw::Stribeck(law) => (
-                module.getattr("Stribeck")?,
-                (
-                    law.static_coefficient(),
-                    law.coulomb_coefficient(),
-                    law.stribeck_velocity(),
-                    law.exponent(),
-                    law.viscous_coefficient(),
-                )
-                    .into_pyobject(py)?,
-            ),
-            AnyLaw::Tabulated(law) => (
-                module.getattr("Tabulated")?,
-                (
-                    law.points().to_vec(),
-                    law.static_coefficient(),
-                    law.is_piecewise_linear(),
-                )
-                    .into_pyobject(py)?,
-            ),
-            _ => return Err(PyValueError::new_err("this law cannot be pickled")),
-        })
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.made.reduced(py)
     }
 }
 
@@ -289,46 +218,48 @@ impl<'a, 'py> FromPyObject<'a, 'py> for LawArgument<'py> {
 }
 
 /// How a law of the crate is made.
-fn text(law: &AnyLaw) -> String {
+fn made(py: Python<'_>, law: &AnyLaw) -> PyResult<Made> {
     match law {
-        AnyLaw::Coulomb(law) => format!(
-            "Coulomb({}, {})",
-            float(law.static_coefficient()),
-            float(law.kinetic_coefficient())
-        ),
-        AnyLaw::Exponential(law) => format!(
-            "Exponential({}, {}, {})",
-            float(law.static_coefficient()),
-            float(law.kinetic_coefficient()),
-            float(law.stribeck_velocity())
-        ),
-        AnyLaw::Polynomial(law) => format!(
-            "Polynomial({}, {}, {})",
-            float(law.static_coefficient()),
-            float(law.minimum_coefficient()),
-            float(law.minimum_velocity())
-        ),
-        AnyLaw::Rational(law) => format!(
-            "Rational({}, {}, offset={}, quadratic={})",
-            float(law.static_coefficient()),
-            float(law.decay()),
-            float(law.offset()),
-            float(law.quadratic())
-        ),
-        AnyLaw::Stribeck(law) => format!(
-            "Stribeck({}, {}, {}, {}, viscous_coefficient={})",
-            float(law.static_coefficient()),
-            float(law.coulomb_coefficient()),
-            float(law.stribeck_velocity()),
-            law.exponent(),
-            float(law.viscous_coefficient())
-        ),
-        AnyLaw::Tabulated(law) => format!(
-            "Tabulated(<{} points>, static_coefficient={})",
-            law.points().len(),
-            float(law.static_coefficient())
-        ),
-        _ => "Law(...)".to_owned(),
+        AnyLaw::Coulomb(law) => {
+            let numbers = (law.static_coefficient(), law.kinetic_coefficient());
+            Made::by(py, "Coulomb", numbers)
+        }
+        AnyLaw::Exponential(law) => {
+            let numbers = (
+                law.static_coefficient(),
+                law.kinetic_coefficient(),
+                law.stribeck_velocity(),
+            );
+            Made::by(py, "Exponential", numbers)
+        }
+        AnyLaw::Polynomial(law) => {
+            let numbers = (
+                law.static_coefficient(),
+                law.minimum_coefficient(),
+                law.minimum_velocity(),
+            );
+            Made::by(py, "Polynomial", numbers)
+        }
+        AnyLaw::Rational(law) => Made::by(py, "Rational", (law.static_coefficient(), law.decay()))?
+            .with(py, "offset", law.offset())?
+            .with(py, "quadratic", law.quadratic()),
+        AnyLaw::Stribeck(law) => {
+            let numbers = (
+                law.static_coefficient(),
+                law.coulomb_coefficient(),
+                law.stribeck_velocity(),
+                law.exponent(),
+            );
+            let viscous = law.viscous_coefficient();
+            Made::by(py, "Stribeck", numbers)?.with(py, "viscous_coefficient", viscous)
+        }
+        AnyLaw::Tabulated(law) => {
+            let straight = law.is_piecewise_linear().then_some(true);
+            Made::by(py, "Tabulated", (Table::of_pairs(law.points()),))?
+                .with(py, "static_coefficient", law.static_coefficient())?
+                .with_given(py, "piecewise_linear", straight)
+        }
+        _ => Err(PyTypeError::new_err("this law is not known here")),
     }
 }
 
@@ -342,10 +273,12 @@ fn text(law: &AnyLaw) -> String {
 /// >>> Coulomb(0.4, 0.25)
 /// Coulomb(0.4, 0.25)
 #[pyfunction(name = "Coulomb")]
-pub fn coulomb(static_coefficient: f64, kinetic_coefficient: f64) -> PyResult<PyLaw> {
-    Coulomb::new(static_coefficient, kinetic_coefficient)
-        .or_raise()
-        .map(PyLaw::named)
+pub fn coulomb(
+    py: Python<'_>,
+    static_coefficient: f64,
+    kinetic_coefficient: f64,
+) -> PyResult<PyLaw> {
+    PyLaw::named(py, Coulomb::new(static_coefficient, kinetic_coefficient))
 }
 
 /// The Gaussian Stribeck law mu_k + (mu_s - mu_k) exp(-(s/v_s)^2).
@@ -360,12 +293,13 @@ pub fn coulomb(static_coefficient: f64, kinetic_coefficient: f64) -> PyResult<Py
 /// 0.305181916175716
 #[pyfunction(name = "Exponential")]
 pub fn exponential(
+    py: Python<'_>,
     static_coefficient: f64,
     kinetic_coefficient: f64,
     stribeck_velocity: f64,
 ) -> PyResult<PyLaw> {
     let law = Exponential::new(static_coefficient, kinetic_coefficient, stribeck_velocity);
-    law.or_raise().map(PyLaw::named)
+    PyLaw::named(py, law)
 }
 
 /// The cubic law, with its least coefficient at one speed.
@@ -380,12 +314,13 @@ pub fn exponential(
 /// 0.25
 #[pyfunction(name = "Polynomial")]
 pub fn polynomial(
+    py: Python<'_>,
     static_coefficient: f64,
     minimum_coefficient: f64,
     minimum_velocity: f64,
 ) -> PyResult<PyLaw> {
     let law = Polynomial::new(static_coefficient, minimum_coefficient, minimum_velocity);
-    law.or_raise().map(PyLaw::named)
+    PyLaw::named(py, law)
 }
 
 /// The hyperbolic law (mu_s - c)/(1 + decay s) + c + quadratic s^2.
@@ -402,6 +337,7 @@ pub fn polynomial(
 #[pyfunction(name = "Rational")]
 #[pyo3(signature = (static_coefficient, decay, offset = 0.0, quadratic = 0.0))]
 pub fn rational(
+    py: Python<'_>,
     static_coefficient: f64,
     decay: f64,
     offset: f64,
@@ -409,7 +345,7 @@ pub fn rational(
 ) -> PyResult<PyLaw> {
     let law = Rational::new(static_coefficient, decay)
         .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic));
-    law.or_raise().map(PyLaw::named)
+    PyLaw::named(py, law)
 }
 
 /// The Stribeck law mu_c + (mu_s - mu_c) exp(-(s/v_s)^n) + viscous s.
@@ -433,6 +369,7 @@ pub fn rational(
     viscous_coefficient = 0.0
 ))]
 pub fn stribeck(
+    py: Python<'_>,
     static_coefficient: f64,
     coulomb_coefficient: f64,
     stribeck_velocity: f64,
@@ -446,7 +383,7 @@ pub fn stribeck(
         exponent,
     )
     .and_then(|law| law.with_viscous_coefficient(viscous_coefficient));
-    law.or_raise().map(PyLaw::named)
+    PyLaw::named(py, law)
 }
 
 /// Measured points, joined by monotone cubic pieces, or by straight lines.
@@ -464,6 +401,7 @@ pub fn stribeck(
 #[pyfunction(name = "Tabulated")]
 #[pyo3(signature = (points, static_coefficient = None, piecewise_linear = false))]
 pub fn tabulated(
+    py: Python<'_>,
     points: Points,
     static_coefficient: Option<f64>,
     piecewise_linear: bool,
@@ -478,7 +416,7 @@ pub fn tabulated(
         Some(coefficient) => law.with_static_coefficient(coefficient),
         None => Ok(law),
     });
-    law.or_raise().map(PyLaw::named)
+    PyLaw::named(py, law)
 }
 
 /// Segalman's distribution of springs and sliders (four-parameter Iwan model), for
@@ -552,14 +490,24 @@ impl Iwan4 {
         self.0.elements(n, grid).or_raise()
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made(py)?.text(py)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.made(py)?.reduced(py)
+    }
+}
+
+impl Iwan4 {
+    fn made(&self, py: Python<'_>) -> PyResult<Made> {
         let Self(joint) = self;
-        format!(
-            "Iwan4(slip_force={}, stiffness={}, exponent={}, ratio={})",
-            float(joint.slip_force()),
-            float(joint.stiffness()),
-            float(joint.exponent()),
-            float(joint.ratio())
-        )
+        let numbers = (
+            joint.slip_force(),
+            joint.stiffness(),
+            joint.exponent(),
+            joint.ratio(),
+        );
+        Made::by(py, "Iwan4", numbers)
     }
 }

@@ -16,6 +16,7 @@ mod family;
 mod first_order;
 mod force;
 mod law;
+mod made;
 mod motion;
 mod orbit;
 mod record;
@@ -63,7 +64,7 @@ mod _stick_slip {
     use crate::motion::{EnergyBudget, PyMotion, Samples};
     #[pymodule_export]
     use crate::orbit::{
-        BranchEnd, EventSensitivity, HopfPoint, LocusEnd, LyapunovExponent, PyAttractor,
+        BranchEnd, Change, EventSensitivity, HopfPoint, LocusEnd, LyapunovExponent, PyAttractor,
         PyBifurcation, PyBranch, PyBranchPoint, PyHopfLocus, PyLocus, PyLocusPoint, PyOrbit,
         PyOrbitSensitivities, PySensitivities, PySpecialPoint, PySweep, SweepPoint, VibrationRange,
         VibrationRanges, begin, classify, follow, hopf_locus, locus, lyapunov, orbit_sensitivities,

@@ -579,6 +579,8 @@ record! {
         normal_work: Numbers,
         /// Work of each force element beyond its potential.
         element_work: Numbers,
+        /// Work of the forces of each first-order state.
+        first_order_work: Numbers,
         /// Heat in each stop.
         stop_loss: Numbers,
         /// Heat in all dampers.
@@ -600,6 +602,7 @@ impl From<stick_slip::EnergyBudget> for EnergyBudget {
             friction_loss: Numbers(energy.friction_loss.clone()),
             normal_work: Numbers(energy.normal_work.clone()),
             element_work: Numbers(energy.element_work.clone()),
+            first_order_work: Numbers(energy.first_order_work.clone()),
             stop_loss: Numbers(energy.stop_loss.clone()),
             damper_loss: energy.damper_loss,
             circulation: energy.circulation,

@@ -152,6 +152,25 @@ impl PyOrbit {
         self.orbit.unslipped().to_vec()
     }
 
+    /// The directions of the continuous family to which the motion belongs, a `State` for each:
+    /// the motion from the state plus a small multiple of it is periodic, too. Empty if the motion
+    /// is isolated.
+    ///
+    /// Two bodies that rub on each other and that nothing holds keep their momentum:
+    ///
+    /// >>> from stick_slip import Contact, Coulomb, Drive, Structure, settle
+    /// >>> pair = (Structure([1.0, 3.0]).with_spring(0, 1, 2.0)
+    /// ...     .with_force(0, Drive.harmonic(1.0, 1.1))
+    /// ...     .with_contact(Contact.between(0, 1, Coulomb(0.3, 0.2), 1.0)))
+    /// >>> orbit = settle(pair, ([0.0, 0.0], [2.0, -0.4]), 100.0, periods=1)
+    /// >>> [direction] = orbit.families
+    /// >>> bool(abs(direction.velocities[0] - direction.velocities[1]) < 1e-12)
+    /// True
+    #[getter]
+    fn families(&self) -> Vec<Shown> {
+        self.orbit.families().iter().cloned().map(Shown).collect()
+    }
+
     /// Work and heat of every part in a period.
     #[getter]
     fn energy(&self) -> EnergyBudget {
@@ -661,6 +680,20 @@ impl PyBranch {
             .map(Numbers)
     }
 
+    /// The point with the largest amplitude of a coordinate: the resonance, as exact as the points
+    /// are close. None if no amplitude is known.
+    #[pyo3(signature = (coordinate = Index(0)), text_signature = "($self, coordinate=0)")]
+    fn peak(&self, py: Python<'_>, coordinate: Index) -> PyResult<Option<Py<PyBranchPoint>>> {
+        let sizes = self.amplitudes(coordinate)?.0.into_iter();
+        let known = sizes.zip(&self.points).filter(|(size, _)| !size.is_nan());
+        let peak = known.max_by(|one, other| one.0.total_cmp(&other.0));
+        let peak = peak.map(|(_, (parameter, orbit))| {
+            let (parameter, orbit) = (*parameter, orbit.clone_ref(py));
+            Py::new(py, PyBranchPoint { parameter, orbit })
+        });
+        peak.transpose()
+    }
+
     /// The bifurcations, in the order of the branch.
     #[getter]
     fn bifurcations(&self, py: Python<'_>) -> Vec<Py<PyBifurcation>> {
@@ -770,14 +803,23 @@ pub fn follow(
 /// Args:
 ///     family: a function of the parameter that returns the system.
 ///     near: a value of the parameter near the Hopf point.
+///     max_steps: bound of the work, in integration steps.
+///     progress: a function called with a Progress; the search ends if it returns False.
 ///
 /// Returns:
 ///     A BranchPoint, from which `follow` goes on.
 #[pyfunction]
-pub fn begin(py: Python<'_>, family: Py<PyAny>, near: f64) -> PyResult<Py<PyAny>> {
+#[pyo3(signature = (family, near, *, max_steps = None, progress = None))]
+pub fn begin(
+    py: Python<'_>,
+    family: Py<PyAny>,
+    near: f64,
+    max_steps: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Py<PyAny>> {
     search(
         py,
-        options(None, None, None),
+        options(max_steps, None, progress),
         |search, waiting| {
             let family = Family::new(family, waiting);
             search.begin(|value| family.of_one(value), near)
@@ -795,6 +837,30 @@ pub struct PySweep {
     down: Vec<Py<SweepPoint>>,
     /// The parameter at which the sweep was stopped; None if it was not.
     stopped: Option<f64>,
+    /// The changes of the attractor on the way up, then those on the way down.
+    changes: Vec<Change>,
+}
+
+record! {
+    /// A change of the attractor between two values of a sweep.
+    Change {
+        /// The values of the parameter before and after the change.
+        between: (f64, f64),
+        /// The kind of the attractor before the change.
+        before: String,
+        /// The kind of the attractor after the change.
+        after: String,
+    }
+}
+
+impl From<orbit::Change> for Change {
+    fn from(change: orbit::Change) -> Self {
+        Self {
+            between: (change.between[0], change.between[1]),
+            before: change.from.to_string(),
+            after: change.to.to_string(),
+        }
+    }
 }
 
 /// The attractor at one parameter of a sweep.
@@ -835,7 +901,7 @@ impl PySweep {
         let point = |point: orbit::SweepPoint<State>| {
             let (found, error) = match point.attractor {
                 Ok(found) => (Some(attractor(py, found, None)?), None),
-                Err(error) => (None, Some(error.to_string())),
+                Err(error) => (None, Some(in_python(error))),
             };
             Py::new(
                 py,
@@ -847,6 +913,7 @@ impl PySweep {
             )
         };
         Ok(Self {
+            changes: sweep.changes().map(Change::from).collect(),
             up: sweep.up.into_iter().map(point).collect::<PyResult<_>>()?,
             down: sweep.down.into_iter().map(point).collect::<PyResult<_>>()?,
             stopped: sweep.stopped,
@@ -1112,7 +1179,7 @@ impl From<&orbit::LocusEnd> for LocusEnd {
             orbit::LocusEnd::Work => ("work", None, none()),
             orbit::LocusEnd::Stopped { parameters } => ("stopped", Some(*parameters), none()),
             orbit::LocusEnd::Lost { parameters, error } => {
-                ("lost", Some(*parameters), error.to_string())
+                ("lost", Some(*parameters), in_python(error))
             }
             other => ("other", None, format!("{other:?}")),
         };
@@ -1258,6 +1325,9 @@ record! {
         displacements: Numbers,
         /// The first Lyapunov coefficient: negative if the vibration begins softly.
         first_lyapunov_coefficient: f64,
+        /// The largest real part of the other eigenvalues, per unit of time; -inf without others.
+        /// If it is positive, steady sliding is unstable on both sides of the curve.
+        largest_other: f64,
         /// "supercritical", "subcritical" or "degenerate".
         criticality: &'static str,
     }
@@ -1270,6 +1340,7 @@ impl From<bifurcation::HopfPoint> for HopfPoint {
             criticality: criticality_name(point.criticality()),
             frequency: point.frequency,
             displacements: Numbers(point.displacements),
+            largest_other: point.largest_other,
             first_lyapunov_coefficient: point.first_lyapunov_coefficient,
         }
     }

@@ -1,10 +1,13 @@
 //! `Stop`: springs with dampers behind a gap.
 
+use std::collections::BTreeMap;
+
 use pyo3::prelude::*;
 use stick_slip::{Error, Stop};
 
-use crate::convert::{Direction, Index, direction_text, float};
+use crate::convert::{Direction, Index};
 use crate::error::OrRaise;
+use crate::made::{Made, Reduced};
 
 /// A stop with a gap: a buffer, the teeth of a loose gear, a wall of rubber. It is a spring with a
 /// damper that acts only while the gap is closed.
@@ -56,6 +59,15 @@ impl PyStop {
         Ok(Self {
             stop: if adhesive { stop.adhesive() } else { stop },
         })
+    }
+
+    fn made(&self, py: Python<'_>) -> PyResult<Made> {
+        let adhesive = self.stop.is_adhesive().then_some(true);
+        let direction = Direction(self.stop.direction().to_vec());
+        Made::by(py, "Stop", (&direction, self.stop.gap()))?
+            .with(py, "stiffness", self.stiffness())?
+            .with(py, "damping", self.damping())?
+            .with_given(py, "adhesive", adhesive)
     }
 }
 
@@ -125,19 +137,41 @@ impl PyStop {
         Self::of(stop, stiffness, damping, adhesive)
     }
 
-    fn __repr__(&self) -> String {
-        let (stiffness, damping) = self.stop.contact_stiffness().unwrap_or_default();
-        format!(
-            "Stop({}, {}, stiffness={}, damping={}{})",
-            direction_text(self.stop.direction()),
-            float(self.stop.gap()),
-            float(stiffness),
-            float(damping),
-            if self.stop.is_adhesive() {
-                ", adhesive=True"
-            } else {
-                ""
-            }
-        )
+    /// The direction d, a dict {coordinate: coefficient}.
+    #[getter]
+    fn direction(&self) -> BTreeMap<usize, f64> {
+        self.stop.direction().iter().copied().collect()
+    }
+
+    /// The gap at q = 0, in units of displacement.
+    #[getter]
+    fn gap(&self) -> f64 {
+        self.stop.gap()
+    }
+
+    /// The stiffness of the closed stop, force per displacement.
+    #[getter]
+    fn stiffness(&self) -> f64 {
+        self.stop.contact_stiffness().unwrap_or_default().0
+    }
+
+    /// The damping of the closed stop, force per velocity.
+    #[getter]
+    fn damping(&self) -> f64 {
+        self.stop.contact_stiffness().unwrap_or_default().1
+    }
+
+    /// True if the stop pulls at the end of a contact.
+    #[getter]
+    fn is_adhesive(&self) -> bool {
+        self.stop.is_adhesive()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.made(py)?.text(py)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.made(py)?.reduced(py)
     }
 }

@@ -12,6 +12,7 @@ use crate::drive::DriveArgument;
 use crate::error::OrRaise;
 use crate::first_order::PyFirstOrder;
 use crate::force::PyForceElement;
+use crate::made::{Arguments, Made, Reduced};
 use crate::motion::{AnyMotion, PyMotion, ended_well};
 use crate::record::record;
 use crate::simulate::Settings;
@@ -111,15 +112,23 @@ record! {
 /// >>> blocks.steady_sliding().is_stable
 /// False
 #[pyclass(frozen, name = "Structure", module = "stick_slip")]
-pub struct PyStructure(pub Arc<Structure>);
+pub struct PyStructure(pub Arc<Structure>, Made);
 
 impl PyStructure {
-    pub fn of(structure: Structure) -> Self {
-        Self(Arc::new(structure))
+    pub fn of(structure: Structure, made: Made) -> Self {
+        Self(Arc::new(structure), made)
     }
 
-    fn with(&self, change: impl FnOnce(Structure) -> Result<Structure, Error>) -> PyResult<Self> {
-        change((*self.0).clone()).or_raise().map(Self::of)
+    /// What a method with these arguments makes of the structure.
+    fn with<'py>(
+        &self,
+        py: Python<'py>,
+        method: &'static str,
+        arguments: impl Arguments<'py>,
+        change: impl FnOnce(Structure) -> Result<Structure, Error>,
+    ) -> PyResult<Self> {
+        let structure = change((*self.0).clone()).or_raise()?;
+        Ok(Self::of(structure, self.1.then(py, method, arguments)?))
     }
 }
 
@@ -128,11 +137,19 @@ impl PyStructure {
     #[new]
     #[pyo3(signature = (masses = None, *, mass_matrix = None, stiffness = None, damping = None))]
     fn new(
+        py: Python<'_>,
         masses: Option<Numbers>,
         mass_matrix: Option<Matrix>,
         stiffness: Option<Matrix>,
         damping: Option<Matrix>,
     ) -> PyResult<Self> {
+        let tables = [&mass_matrix, &stiffness, &damping];
+        let [mass, spring, damper] = tables.map(|it| it.as_ref().map(|it| Table::of(&it.0)));
+        let made = Made::by(py, "Structure", ())?
+            .with_given(py, "masses", masses.clone())?
+            .with_given(py, "mass_matrix", mass)?
+            .with_given(py, "stiffness", spring)?
+            .with_given(py, "damping", damper)?;
         let structure = match (masses, mass_matrix) {
             (Some(Numbers(masses)), None) => Structure::new(&masses),
             (None, Some(Matrix(mass))) => Structure::with_mass_matrix(mass),
@@ -147,76 +164,104 @@ impl PyStructure {
             }
             Ok(structure)
         });
-        structure.or_raise().map(Self::of)
+        structure
+            .or_raise()
+            .map(|structure| Self::of(structure, made))
     }
 
     /// Adds a spring between two coordinates; stiffness in force per displacement.
-    fn with_spring(&self, i: Index, j: Index, stiffness: f64) -> PyResult<Self> {
-        self.with(|structure| structure.with_spring(i.0, j.0, stiffness))
+    fn with_spring(&self, py: Python<'_>, i: Index, j: Index, stiffness: f64) -> PyResult<Self> {
+        self.with(py, "with_spring", (i.0, j.0, stiffness), |structure| {
+            structure.with_spring(i.0, j.0, stiffness)
+        })
     }
 
     /// Adds a damper between two coordinates; damping in force per velocity.
-    fn with_damper(&self, i: Index, j: Index, damping: f64) -> PyResult<Self> {
-        self.with(|structure| structure.with_damper(i.0, j.0, damping))
+    fn with_damper(&self, py: Python<'_>, i: Index, j: Index, damping: f64) -> PyResult<Self> {
+        self.with(py, "with_damper", (i.0, j.0, damping), |structure| {
+            structure.with_damper(i.0, j.0, damping)
+        })
     }
 
     /// Adds a spring between a coordinate and the ground; stiffness in force per displacement.
-    fn with_ground_spring(&self, i: Index, stiffness: f64) -> PyResult<Self> {
-        self.with(|structure| structure.with_ground_spring(i.0, stiffness))
+    fn with_ground_spring(&self, py: Python<'_>, i: Index, stiffness: f64) -> PyResult<Self> {
+        self.with(py, "with_ground_spring", (i.0, stiffness), |structure| {
+            structure.with_ground_spring(i.0, stiffness)
+        })
     }
 
     /// Adds a damper between a coordinate and the ground; damping in force per velocity.
-    fn with_ground_damper(&self, i: Index, damping: f64) -> PyResult<Self> {
-        self.with(|structure| structure.with_ground_damper(i.0, damping))
+    fn with_ground_damper(&self, py: Python<'_>, i: Index, damping: f64) -> PyResult<Self> {
+        self.with(py, "with_ground_damper", (i.0, damping), |structure| {
+            structure.with_ground_damper(i.0, damping)
+        })
     }
 
     /// Adds a stiffness matrix, which need not be symmetric.
-    fn with_stiffness(&self, stiffness: Matrix) -> PyResult<Self> {
-        self.with(|structure| structure.with_stiffness(stiffness.0))
+    fn with_stiffness(&self, py: Python<'_>, stiffness: Matrix) -> PyResult<Self> {
+        let table = Table::of(&stiffness.0);
+        self.with(py, "with_stiffness", (table,), |structure| {
+            structure.with_stiffness(stiffness.0)
+        })
     }
 
     /// Adds a damping matrix, which need not be symmetric.
-    fn with_damping(&self, damping: Matrix) -> PyResult<Self> {
-        self.with(|structure| structure.with_damping(damping.0))
+    fn with_damping(&self, py: Python<'_>, damping: Matrix) -> PyResult<Self> {
+        let table = Table::of(&damping.0);
+        self.with(py, "with_damping", (table,), |structure| {
+            structure.with_damping(damping.0)
+        })
     }
 
     /// Sets the force on a coordinate, in units of force: a number or a Drive.
-    fn with_force(&self, i: Index, force: DriveArgument<'_>) -> PyResult<Self> {
-        self.with(|structure| structure.with_force(i.0, force.drive()))
+    fn with_force(&self, py: Python<'_>, i: Index, force: DriveArgument<'_>) -> PyResult<Self> {
+        self.with(py, "with_force", (i.0, &force), |structure| {
+            structure.with_force(i.0, force.drive())
+        })
     }
 
     /// Adds a contact. Contacts are numbered from 0 in the order in which they are added.
-    fn with_contact(&self, contact: &PyContact) -> PyResult<Self> {
-        self.with(|structure| structure.with_contact(contact.contact.clone()))
+    fn with_contact(&self, contact: &Bound<'_, PyContact>) -> PyResult<Self> {
+        self.with(contact.py(), "with_contact", (contact,), |structure| {
+            structure.with_contact(contact.get().contact.clone())
+        })
     }
 
     /// Adds several contacts, for example those of `Contact.in_parallel`.
-    fn with_contacts(&self, contacts: Vec<Bound<'_, PyContact>>) -> PyResult<Self> {
-        let contacts = contacts.iter().map(|contact| contact.get().contact.clone());
-        self.with(|structure| structure.with_contacts(contacts))
+    fn with_contacts(&self, py: Python<'_>, contacts: Vec<Bound<'_, PyContact>>) -> PyResult<Self> {
+        self.with(py, "with_contacts", (&contacts,), |structure| {
+            let contacts = contacts.iter().map(|contact| contact.get().contact.clone());
+            structure.with_contacts(contacts)
+        })
     }
 
     /// Adds a force element.
-    fn with_element(&self, element: &PyForceElement) -> PyResult<Self> {
-        self.with(|structure| structure.with_element(element.element.clone()))
+    fn with_element(&self, element: &Bound<'_, PyForceElement>) -> PyResult<Self> {
+        self.with(element.py(), "with_element", (element,), |structure| {
+            structure.with_element(element.get().element.clone())
+        })
     }
 
     /// Adds a stop. Stops are numbered from 0 in the order in which they are added.
-    fn with_stop(&self, stop: &PyStop) -> PyResult<Self> {
-        self.with(|structure| structure.with_stop(stop.stop.clone()))
+    fn with_stop(&self, stop: &Bound<'_, PyStop>) -> PyResult<Self> {
+        self.with(stop.py(), "with_stop", (stop,), |structure| {
+            structure.with_stop(stop.get().stop.clone())
+        })
     }
 
     /// Adds several stops, for example the two of a play.
-    fn with_stops(&self, stops: Vec<Bound<'_, PyStop>>) -> PyResult<Self> {
-        self.with(|structure| {
+    fn with_stops(&self, py: Python<'_>, stops: Vec<Bound<'_, PyStop>>) -> PyResult<Self> {
+        self.with(py, "with_stops", (&stops,), |structure| {
             let mut stops = stops.iter().map(|stop| stop.get().stop.clone());
             stops.try_fold(structure, Structure::with_stop)
         })
     }
 
     /// Adds a first-order state, which may read itself and those before it.
-    fn with_first_order(&self, state: &PyFirstOrder) -> PyResult<Self> {
-        self.with(|structure| structure.with_first_order(state.state.clone()))
+    fn with_first_order(&self, state: &Bound<'_, PyFirstOrder>) -> PyResult<Self> {
+        self.with(state.py(), "with_first_order", (state,), |structure| {
+            structure.with_first_order(state.get().state.clone())
+        })
     }
 
     /// Adds several first-order states, which may read each other.
@@ -228,9 +273,14 @@ impl PyStructure {
     /// >>> end = circle.simulate(([0.0], [0.0], [1.0, 0.0]), 10.0).state_at()
     /// >>> bool(abs(end.memory[0] - math.cos(10.0)) < 1e-14)
     /// True
-    fn with_first_orders(&self, states: Vec<Bound<'_, PyFirstOrder>>) -> PyResult<Self> {
-        let states = states.iter().map(|state| state.get().state.clone());
-        self.with(|structure| structure.with_first_orders(states))
+    fn with_first_orders(
+        &self,
+        py: Python<'_>,
+        states: Vec<Bound<'_, PyFirstOrder>>,
+    ) -> PyResult<Self> {
+        self.with(py, "with_first_orders", (&states,), |structure| {
+            structure.with_first_orders(states.iter().map(|state| state.get().state.clone()))
+        })
     }
 
     /// The number of coordinates.
@@ -380,8 +430,8 @@ impl PyStructure {
     }
 
     /// The structure with its drives frozen at a time.
-    fn frozen(&self, time: f64) -> PyResult<Self> {
-        self.0.frozen(time).or_raise().map(Self::of)
+    fn frozen(&self, py: Python<'_>, time: f64) -> PyResult<Self> {
+        self.with(py, "frozen", (time,), |structure| structure.frozen(time))
     }
 
     /// Where steady sliding gains or loses stability between two times of a speed profile.
@@ -440,6 +490,10 @@ impl PyStructure {
     /// The elastic energy of a state at a time, in units of force times displacement.
     fn elastic_energy(&self, time: f64, state: Start) -> PyResult<f64> {
         self.0.elastic_energy(time, &state.0).or_raise()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py> {
+        self.1.reduced(py)
     }
 
     fn __repr__(&self) -> String {

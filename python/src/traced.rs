@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use stick_slip::{Error, ForceLaw, FrictionLaw, Scalar, TimeFunction};
+use stick_slip::{Error, ForceElement, ForceField, ForceLaw, FrictionLaw, Scalar, TimeFunction};
 
 /// One operation on the number under way, the accumulator. A binary operation reads a slot too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +70,11 @@ const NAMES: [(&str, Code); 27] = [
     ("abs", Code::Abs),
 ];
 
-/// Numbers beside the accumulator. The first ones hold the arguments.
-pub const SLOTS: usize = 4;
+/// Numbers beside the accumulator, a power of two. The first ones hold the arguments.
+const SLOTS: usize = 4;
+
+/// The same for fields, which have more arguments.
+const FIELD_SLOTS: usize = 16;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Operation {
@@ -88,11 +91,11 @@ pub struct Programme(Vec<Operation>);
 pub type Written = (String, usize, f64);
 
 impl Programme {
-    pub fn read(written: &[Written]) -> PyResult<Self> {
+    fn read(written: &[Written], slots: usize) -> PyResult<Self> {
         let operation = |(name, slot, constant): &Written| {
             let code = NAMES.iter().find(|(known, _)| known == name);
             match code {
-                Some(&(_, code)) if *slot < SLOTS => Ok(Operation {
+                Some(&(_, code)) if *slot < slots => Ok(Operation {
                     code,
                     slot: *slot as u8,
                     constant: *constant,
@@ -109,11 +112,17 @@ impl Programme {
             .map(Self)
     }
 
+    /// The value of a law of one or two arguments.
+    #[inline(always)]
+    fn run<S: Scalar, const N: usize>(&self, arguments: [S; N]) -> S {
+        self.run_on::<S, N, SLOTS>(arguments)
+    }
+
     /// One loop over a flat list without a recursion, so that it is inlined to where series are
     /// computed with fused multiply-adds. The operations of a law have an order: a product of two
     /// series and the product the other way round differ in the last bits.
     #[inline(always)]
-    fn run<S: Scalar, const N: usize>(&self, arguments: [S; N]) -> S {
+    fn run_on<S: Scalar, const N: usize, const SLOTS: usize>(&self, arguments: [S; N]) -> S {
         let mut number = arguments[0];
         let mut slots = [number; SLOTS];
         slots[..N].copy_from_slice(&arguments);
@@ -212,25 +221,31 @@ impl FrictionLaw for Traced {
     }
 }
 
-/// The pieces of a function as Python wrote it, and their text.
-pub fn pieces_of(
-    py: Python<'_>,
-    function: &Bound<'_, PyAny>,
-    breakpoints: &[f64],
+/// The pieces of a function as Python wrote it, and their formulas, which stand for the function.
+pub fn pieces_of<'py>(
+    py: Python<'py>,
+    function: &Bound<'py, PyAny>,
+    breakpoints: usize,
     names: &[&str],
-) -> PyResult<(Vec<Programme>, String)> {
+) -> PyResult<(Vec<Programme>, Bound<'py, PyAny>)> {
     let trace = py.import("stick_slip._trace")?;
-    let arguments = (function, breakpoints.len() + 1, names);
-    let (written, shown): (Vec<Vec<Written>>, Vec<String>) =
+    let arguments = (function, breakpoints + 1, names);
+    let (written, formulas): (Vec<Vec<Written>>, Bound<'py, PyAny>) =
         trace.call_method1("trace_pieces", arguments)?.extract()?;
-    let pieces = written.iter().map(|piece| Programme::read(piece));
-    Ok((pieces.collect::<PyResult<_>>()?, shown.join("; ")))
+    Ok((programmes(&written, SLOTS)?, formulas))
 }
 
-/// A law of force of a user: one programme of position and velocity for each piece.
+fn programmes(written: &[Vec<Written>], slots: usize) -> PyResult<Vec<Programme>> {
+    let programmes = written.iter().map(|one| Programme::read(one, slots));
+    programmes.collect()
+}
+
+/// A law of force of a user: one programme of position and velocity for each piece, and one of the
+/// position for each piece of its potential.
 #[derive(Clone, Debug)]
 pub struct TracedForce {
     pub pieces: Arc<[Programme]>,
+    pub potential: Option<Arc<[Programme]>>,
     pub breakpoints: Arc<[f64]>,
 }
 
@@ -240,8 +255,92 @@ impl ForceLaw for TracedForce {
         self.pieces[piece.min(self.pieces.len() - 1)].run([position, velocity])
     }
 
+    fn potential<S: Scalar>(&self, position: S, piece: usize) -> Option<S> {
+        let potential = self.potential.as_ref()?;
+        Some(potential[piece.min(potential.len() - 1)].run([position]))
+    }
+
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         self.breakpoints.iter().copied()
+    }
+}
+
+/// Forces of a user along M directions: a programme of all positions and velocities for each, and
+/// one of the positions for their potential.
+#[derive(Clone, Debug)]
+pub struct TracedField<const M: usize> {
+    forces: Arc<[Programme]>,
+    potential: Option<Arc<Programme>>,
+}
+
+impl<const M: usize> ForceField for TracedField<M> {
+    type Coordinates<S: Scalar> = [S; M];
+
+    #[inline(always)]
+    fn forces<S: Scalar>(&self, positions: [S; M], velocities: [S; M]) -> [S; M] {
+        // The slots that are left are there for intermediate results.
+        let mut arguments = [positions[0]; FIELD_SLOTS];
+        arguments[..M].copy_from_slice(&positions);
+        arguments[M..2 * M].copy_from_slice(&velocities);
+        std::array::from_fn(|i| self.forces[i].run_on::<S, FIELD_SLOTS, FIELD_SLOTS>(arguments))
+    }
+
+    fn potential<S: Scalar>(&self, positions: [S; M]) -> Option<S> {
+        let potential = self.potential.as_ref()?;
+        Some(potential.run_on::<S, M, FIELD_SLOTS>(positions))
+    }
+}
+
+/// Recorded forces along several directions, with the formulas that stand for the functions.
+pub struct Field<'py> {
+    forces: Arc<[Programme]>,
+    potential: Option<Arc<Programme>>,
+    pub formulas: Bound<'py, PyAny>,
+    pub energy: Option<Bound<'py, PyAny>>,
+}
+
+impl<'py> Field<'py> {
+    pub fn of(
+        count: usize,
+        forces: &Bound<'py, PyAny>,
+        potential: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        if !(2..=4).contains(&count) {
+            return Err(PyValueError::new_err(format!(
+                "a field has 2, 3 or 4 directions, not {count}; a force of one direction is \
+                 ForceElement(direction, ForceLaw(function))"
+            )));
+        }
+        let trace = forces.py().import("stick_slip._trace")?;
+        let recorded = |function: &str, of: &Bound<'py, PyAny>| {
+            let found = trace.call_method1(function, (of, count, FIELD_SLOTS))?;
+            let (written, formulas): (Vec<Vec<Written>>, Bound<'py, PyAny>) = found.extract()?;
+            Ok::<_, PyErr>((programmes(&written, FIELD_SLOTS)?, formulas))
+        };
+        let (forces, formulas) = recorded("trace_field", forces)?;
+        let potential = potential.map(|energy| recorded("trace_potential", energy));
+        let (potential, energy) = potential.transpose()?.unzip();
+        Ok(Self {
+            forces: forces.into(),
+            potential: potential.map(|mut one| Arc::new(one.swap_remove(0))),
+            formulas,
+            energy,
+        })
+    }
+
+    pub fn element(&self, directions: &[&[(usize, f64)]]) -> Result<ForceElement, Error> {
+        match directions.len() {
+            2 => ForceElement::field(directions, self.traced::<2>()),
+            3 => ForceElement::field(directions, self.traced::<3>()),
+            _ => ForceElement::field(directions, self.traced::<4>()),
+        }
+    }
+
+    fn traced<const M: usize>(&self) -> TracedField<M> {
+        TracedField {
+            forces: self.forces.clone(),
+            potential: self.potential.clone(),
+        }
     }
 }
 

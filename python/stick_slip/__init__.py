@@ -16,6 +16,15 @@ bit.
 from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as _version
 
+from stick_slip import _stick_slip
+
+if not hasattr(_stick_slip, "Law"):
+    raise ImportError(
+        "stick_slip is not built in this folder, which holds its sources: install it (pip install "
+        "./python, in the clone), and start Python in another folder"
+    )
+
+from stick_slip import _made as _made
 from stick_slip import analysis
 from stick_slip._errors import ParameterError, StickSlipError
 from stick_slip._state import State
@@ -30,6 +39,7 @@ from stick_slip._stick_slip import (
     BranchPoint,
     Capstan,
     Carried,
+    Change,
     Contact,
     ContactLaw,
     Coulomb,
@@ -134,6 +144,7 @@ __all__ = [
     "BranchPoint",
     "Capstan",
     "Carried",
+    "Change",
     "Contact",
     "ContactLaw",
     "Coulomb",

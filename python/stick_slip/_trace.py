@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 SLOTS = 4
-"""Slots of the extension's machine; the first ones hold the arguments."""
+"""Slots of the extension's machine for laws; the first ones hold the arguments."""
 
 Operation = tuple[str, int, float]
 
@@ -228,59 +228,87 @@ REVERSED = {
 }
 
 
-def emit(node: Symbol, slot: int, operations: list[Operation]) -> None:
-    """Appends the operations that leave the node's value as the number under way."""
+def emit(node: Symbol, slot: int, slots: int, operations: list[Operation]) -> None:
+    """Appends the operations that leave the node's value as the number under way.
+
+    Slots from `slot` on are free; there are `slots`.
+    """
     if node.name == "argument":
         operations.append(("load", int(node.constant), 0.0))
     elif node.name == "constant":
         operations.append(("constant", 0, node.constant))
     elif len(node.parts) == 1:
-        emit(node.parts[0], slot, operations)
+        emit(node.parts[0], slot, slots, operations)
         operations.append((node.name, 0, node.constant))
     else:
         left, right = node.parts
         if right.name == "argument":
-            emit(left, slot, operations)
+            emit(left, slot, slots, operations)
             operations.append((node.name, int(right.constant), 0.0))
         elif left.name == "argument":
-            emit(right, slot, operations)
+            emit(right, slot, slots, operations)
             operations.append((REVERSED[node.name], int(left.constant), 0.0))
         else:
-            if slot == SLOTS:
+            if slot == slots:
                 refuse("an expression nested so deeply")
             # The deeper side first: it needs the slots that are still free.
             left_first = depth(left) >= depth(right)
             first, second = (left, right) if left_first else (right, left)
-            emit(first, slot, operations)
+            emit(first, slot, slots, operations)
             operations.append(("store", slot, 0.0))
-            emit(second, slot + 1, operations)
+            emit(second, slot + 1, slots, operations)
             name = REVERSED[node.name] if left_first else node.name
             operations.append((name, slot, 0.0))
 
 
-def trace(function: Callable[..., Any], names: Sequence[str]) -> tuple[list[Operation], str]:
-    """The operations of a function of arguments with these names, and the expression as text."""
-    if not callable(function):
-        raise TypeError(f"a law is a function of {', '.join(names)}, not {function!r}")
-    result = function(*(Symbol("argument", (), float(i)) for i in range(len(names))))
+class Formula:
+    """A recorded function. It stands for the function where an object is made again."""
+
+    __slots__ = ("operations", "text")
+
+    def __init__(self, operations: list[Operation], text: str) -> None:
+        self.operations = operations
+        self.text = text
+
+    def __repr__(self) -> str:
+        return self.text
+
+    def __reduce__(self) -> tuple[type[Formula], tuple[list[Operation], str]]:
+        return Formula, (self.operations, self.text)
+
+
+def formula(result: object, names: Sequence[str], slots: int) -> Formula:
+    """The formula of what a function of arguments with these names returned."""
     if not isinstance(result, Symbol):
         value = number(result)
         if value is None:
             raise TypeError(f"a law must return a number, not {result!r}")
         result = Symbol("constant", (), value)
     operations: list[Operation] = []
-    emit(result, len(names), operations)
-    return operations, text(result, names)
+    emit(result, len(names), slots, operations)
+    return Formula(operations, text(result, names))
+
+
+def symbols(names: Sequence[str]) -> tuple[Symbol, ...]:
+    """A symbol for each argument."""
+    return tuple(Symbol("argument", (), float(i)) for i in range(len(names)))
+
+
+def trace(function: Any, names: Sequence[str]) -> Formula:
+    """The formula of a function of arguments with these names."""
+    if isinstance(function, Formula):
+        return function
+    if not callable(function):
+        raise TypeError(f"a law is a function of {', '.join(names)}, not {function!r}")
+    return formula(function(*symbols(names)), names, SLOTS)
 
 
 def trace_pieces(
-    functions: Callable[..., Any] | Sequence[Callable[..., Any]],
-    count: int,
-    names: Sequence[str] = ("s",),
-) -> tuple[list[list[Operation]], list[str]]:
-    """The operations of each piece of a law with `count` pieces, and their texts."""
-    if callable(functions):
-        pieces = [functions]
+    functions: Any, count: int, names: Sequence[str] = ("s",)
+) -> tuple[list[list[Operation]], Formula | list[Formula]]:
+    """The operations of each piece of a law with `count` pieces; its formulas, as it was given."""
+    if callable(functions) or isinstance(functions, Formula):
+        pieces: list[Any] = [functions]
     elif isinstance(functions, (list, tuple)):
         pieces = list(functions)
     else:
@@ -290,5 +318,34 @@ def trace_pieces(
             f"{len(pieces)} functions and {count - 1} breakpoints do not fit: give one function "
             "for each piece, one more than there are breakpoints"
         )
-    traced = [trace(piece, names) for piece in pieces]
-    return [operations for operations, _ in traced], [shown for _, shown in traced]
+    formulas = [trace(piece, names) for piece in pieces]
+    return [it.operations for it in formulas], formulas if count > 1 else formulas[0]
+
+
+def trace_field(
+    forces: Any, count: int, slots: int
+) -> tuple[list[list[Operation]], list[Formula]]:
+    """The operations and formulas of the forces along `count` directions."""
+    names = [f"{letter}[{i}]" for letter in "xv" for i in range(count)]
+    if callable(forces):
+        arguments = symbols(names)
+        forces = forces(arguments[:count], arguments[count:])
+    if not isinstance(forces, (list, tuple, np.ndarray)) or len(forces) != count:
+        raise TypeError(
+            "the forces of a field are a function of (x, v) that returns one force for each of "
+            f"the {count} directions, not {forces!r}"
+        )
+    formulas = [it if isinstance(it, Formula) else formula(it, names, slots) for it in forces]
+    return [it.operations for it in formulas], formulas
+
+
+def trace_potential(
+    potential: Any, count: int, slots: int
+) -> tuple[list[list[Operation]], Formula]:
+    """The operations and the formula of the potential of a field."""
+    if not isinstance(potential, Formula):
+        if not callable(potential):
+            raise TypeError(f"a potential is a function of x, not {potential!r}")
+        names = [f"x[{i}]" for i in range(count)]
+        potential = formula(potential(symbols(names)), names, slots)
+    return [potential.operations], potential

@@ -102,8 +102,7 @@ def contact_law(given: dict[str, Any]) -> ss.Law | ss.ContactLaw | None:
     return own
 
 
-def force_law(given: dict[str, Any]) -> ss.ForceLaw | None:
-    """None if Python cannot express it: a force of several directions."""
+def force_law(given: dict[str, Any]) -> ss.ForceLaw:
     if given["law"] == "polynomial":
         return ss.PolynomialSpring(floats(given["law_params"]["c"]))
     p = {name: float(value) for name, value in given["law_params"].items()}
@@ -122,9 +121,21 @@ def force_law(given: dict[str, Any]) -> ss.ForceLaw | None:
             return ss.ForceLaw(lambda x, v: p["A"] * (np.exp(x / p["l"]) - 1.0))
         case "magnet":
             return ss.ForceLaw(lambda x, v: -p["A"] / (p["g"] - x) ** 2)
-        case "quartic_pair":
-            return None
     raise ValueError(given["law"])
+
+
+def force_element(given: dict[str, Any]) -> ss.ForceElement:
+    factor = drive(given["factor"]) if "factor" in given else None
+    rows = [dict(enumerate(floats(row))) for row in given["directions"]]
+    if given["law"] != "quartic_pair":
+        return ss.ForceElement(rows[0], force_law(given), factor=factor)
+    stiffness = float(given["law_params"]["k4"])
+
+    def forces(x: Any, v: Any) -> Any:
+        common = (x[0] ** 2 + x[1] ** 2) * stiffness
+        return common * x[0], common * x[1]
+
+    return ss.ForceElement.field(rows, forces, factor=factor)
 
 
 def stop(given: dict[str, Any]) -> ss.Stop:
@@ -169,12 +180,7 @@ def structure(system: dict[str, Any]) -> ss.Structure | None:
             options["load_gradient"] = gradient
         built = built.with_contact(ss.Contact(direction, rule, drive(given["N0"]), **options))
     for given in system.get("forces", []):
-        force = force_law(given)
-        if force is None:
-            return None
-        factor = drive(given["factor"]) if "factor" in given else None
-        row = dict(enumerate(floats(given["directions"][0])))
-        built = built.with_element(ss.ForceElement(row, force, factor=factor))
+        built = built.with_element(force_element(given))
     return built.with_stops([stop(given) for given in system.get("kv_stops", [])])
 
 

@@ -392,3 +392,73 @@ def test_numbers_that_must_be_positive(bad: float) -> None:
         with pytest.raises(ss.ParameterError) as caught:
             call()
         assert caught.value.value == bad
+
+
+def test_fields_are_forces_of_several_directions() -> None:
+    # Three oblique springs as a field, against three elements of one direction each.
+    rows = [{0: 1.0, 1: 0.5}, {1: 1.0}, {0: -1.0, 1: 2.0}]
+    cubic = ss.ForceLaw(lambda x, v: x**3 + 0.1 * v, potential=lambda x: x**4 / 4)
+    apart = ss.Structure([1.0, 2.0], stiffness=np.eye(2))
+    for row in rows:
+        apart = apart.with_element(ss.ForceElement(row, cubic, factor=2.0))
+    field = ss.ForceElement.field(
+        rows,
+        lambda x, v: [x[i] ** 3 + 0.1 * v[i] for i in range(3)],
+        potential=lambda x: (x[0] ** 4 + x[1] ** 4 + x[2] ** 4) / 4,
+        factor=2.0,
+    )
+    assert field.directions == rows and "ForceElement.field(" in repr(field)
+    together = ss.Structure([1.0, 2.0], stiffness=np.eye(2)).with_element(field)
+    start = ([1.0, -0.5], [0.3, 0.2])
+    motions = [it.simulate(start, 20.0) for it in (apart, together)]
+    np.testing.assert_allclose(motions[0].last, motions[1].last, atol=1e-13)
+    assert abs(motions[1].energy_budget().defect) < 1e-13
+    # A force that one coordinate feels and another one causes: v1' = q0, q0 = cos t.
+    pull = ss.ForceElement.field([0, 1], lambda x, v: (0.0, -x[0]))
+    pair = ss.Structure([1.0, 1.0]).with_ground_spring(0, 1.0).with_element(pull)
+    q, v = pair.simulate(([1.0, 0.0], [0.0, 0.0]), 1.0).last
+    assert v[1] == pytest.approx(math.sin(1.0), abs=1e-15)
+    # Four directions, nested expressions of all of them.
+    four = ss.ForceElement.field(
+        [0, 1, 2, 3],
+        lambda x, v: [
+            ((x[0] + v[0]) * (x[1] - v[1])) / ((1 + x[2] ** 2) * (2 + x[3] ** 2)) * np.exp(-x[i])
+            for i in range(4)
+        ],
+    )
+    numbers = [0.1, 0.2, 0.3, 0.4], [1.0, 2.0, 3.0, 4.0]
+    at = ss.Structure([1.0] * 4).with_element(four).acceleration(0.0, numbers)
+    factor = (0.1 + 1.0) * (0.2 - 2.0) / ((1 + 0.3**2) * (2 + 0.4**2))
+    assert at == pytest.approx([-factor * math.exp(-x) for x in numbers[0]], rel=1e-15)
+
+
+def test_fields_refuse_what_cannot_be() -> None:
+    for count in (0, 1, 5, 8, 100):
+        with pytest.raises(ValueError, match="2, 3 or 4 directions"):
+            ss.ForceElement.field(list(range(count)), lambda x, v: list(x))
+    with pytest.raises(TypeError, match="one force for each of the 2 directions"):
+        ss.ForceElement.field([0, 1], lambda x, v: x[0])
+    with pytest.raises(TypeError, match="cannot be recorded"):
+        ss.ForceElement.field([0, 1], lambda x, v: (max(x[0], x[1]), 0.0))
+    with pytest.raises(ss.ParameterError) as caught:
+        ss.ForceElement.field([0, 1], lambda x, v: (x[1], x[0]), potential=lambda x: x[0] ** 2)
+    assert caught.value.variant == "InvalidParameter" and "potential" in str(caught.value)
+    with pytest.raises(ss.ParameterError) as caught:
+        ss.ForceLaw(lambda x, v: x, potential=lambda x: x**2)
+    assert "potential" in str(caught.value)
+    with pytest.raises(TypeError, match="a potential is a function of x"):
+        ss.ForceElement.field([0, 1], lambda x, v: x, potential=3.0)  # type: ignore[arg-type]
+
+
+def test_the_parts_of_elements_are_shown() -> None:
+    stop = ss.Stop.below(1, -0.5, stiffness=10.0, damping=2.0, adhesive=True)
+    assert (stop.direction, stop.gap, stop.stiffness, stop.damping) == ({1: 1.0}, 0.5, 10.0, 2.0)
+    assert stop.is_adhesive
+    axis = (
+        ss.Structure([1.0])
+        .with_ground_spring(0, 11.0)
+        .with_first_order(ss.FirstOrder(displacements={0: 1.0}, forces={0: -6.0}))
+    )
+    budget = axis.simulate(([1.0], [0.0]), 3.0).energy_budget()
+    assert budget.first_order_work.shape == (1,) and abs(budget.defect) < 1e-13
+    assert budget.first_order_work[0] == pytest.approx(budget.stored, abs=1e-13)

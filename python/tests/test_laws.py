@@ -208,8 +208,6 @@ def test_own_laws_are_checked() -> None:
     for static in (math.nan, math.inf, -1.0):
         with pytest.raises(ss.ParameterError):
             ss.Law(lambda s: 0.0 * s - 2.0, static=static)
-    with pytest.raises(ValueError, match="pickle"):
-        pickle.dumps(ss.Law(lambda s: 0.3, static=0.3))
     assert ss.Law(lambda s: 0.3 + 0.1 * np.abs(s - 1), static=0.5).check(0.0, 3.0)
 
 

@@ -250,3 +250,30 @@ def test_curves_of_bifurcations() -> None:
     with pytest.raises(ss.StickSlipError) as caught:
         folds[0].switch(lambda omega: duffing(omega, 0.6))
     assert caught.value.variant == "NoSwitch" and doubled == []
+
+
+def test_families_peaks_and_changes() -> None:
+    def forced(omega: float) -> ss.Structure:
+        return (
+            ss.Structure([1.0])
+            .with_ground_spring(0, 1.0)
+            .with_ground_damper(0, 0.1)
+            .with_force(0, ss.Drive.harmonic(1.0, omega))
+        )
+
+    orbit = ss.shoot(forced(0.9), ([0.0], [0.0]), periods=1)
+    assert orbit.families == []
+    branch = ss.follow(forced, 0.9, orbit, 0.9, 1.1)
+    peak = branch.peak()
+    assert peak is not None and peak.orbit.amplitude() == branch.amplitudes().max()
+    assert peak.parameter == pytest.approx(0.9975, abs=0.2 / 64)
+    with pytest.raises(IndexError):
+        branch.peak(1)
+    law = ss.Exponential(0.6, 0.3, 0.4)
+    sweep = ss.sweep(
+        lambda w: ss.MassOnBelt(law, w, damping=0.01), 0.25 * np.arange(1, 17), (0.0, 0.0)
+    )
+    ends, begins = sweep.changes
+    assert (ends.before, ends.after) == ("stick-slip", "steady sliding")
+    assert (begins.before, begins.after) == ("steady sliding", "stick-slip")
+    assert begins.between[0] < ends.between[0]
