@@ -7,6 +7,7 @@ import shutil
 import struct
 import subprocess
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +56,9 @@ def rust() -> dict[str, list[str]]:
         kind, _, rest = line.partition(" ")
         if kind == "case":
             lines = found.setdefault(rest.strip('"'), [])
-        elif kind == "sample":
-            found["sample"] = [rest]
+        elif kind == "time":
+            name, _, seconds = rest.rpartition(" ")
+            found[f"time of {name}"] = [seconds]
         else:
             lines.append(line)
     return found
@@ -95,6 +97,17 @@ def test_cycles_have_the_bits_of_rust(rust: dict[str, list[str]]) -> None:
     assert compared > 30
 
 
+def lines_of(motion: ss.Motion, times: Any) -> list[str]:
+    """The events and states of a structure as the Rust program prints them."""
+    lines = [
+        f"event {event['kind']} {max(event['contact'], event['stop'])} {bits(event['time'])}"
+        for event in motion.events
+    ]
+    q, v = motion.sample(times)
+    memory = motion.sample_memory(times)
+    return lines + [f"state {bits(np.concatenate(state))}" for state in zip(q, v, memory)]
+
+
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_structures_have_the_bits_of_rust(name: str, rust: dict[str, list[str]]) -> None:
     compared = 0
@@ -103,17 +116,36 @@ def test_structures_have_the_bits_of_rust(name: str, rust: dict[str, list[str]])
         if system is None or case["id"] not in rust:
             continue
         motion = system.simulate(reference.start(case), float(case["t_end"]))
-        lines = [
-            f"event {event['kind']} {max(event['contact'], event['stop'])} {bits(event['time'])}"
-            for event in motion.events
-        ]
         times = reference.floats([state["t"] for state in case["states"]])
-        q, v = motion.sample(times)
-        memory = motion.sample_memory(times)
-        lines += [f"state {bits(np.concatenate(state))}" for state in zip(q, v, memory)]
-        assert lines == rust[case["id"]], case["id"]
+        assert lines_of(motion, times) == rust[case["id"]], case["id"]
         compared += 1
     assert compared >= 6
+
+
+def test_other_elements_have_the_bits_of_rust(rust: dict[str, list[str]]) -> None:
+    load = ss.PolynomialSpring([0.2, 0.0, 0.1])
+    belt = ss.Contact(
+        0, ss.Stribeck(0.4, 0.25, 0.3, 1), 1.0, belt_velocity=0.3, load_laws=[(1, load)]
+    )
+    table = ss.TabulatedForce([(-1.0, -1.0), (0.0, 0.0), (1.0, 2.0)])
+    factor = ss.Drive.harmonic(0.2, 0.7) + 1.0
+    lag = ss.FirstOrder(
+        time_constant=0.5, velocities={1: 2.0}, laws=[(0, ss.Backlash(1.0, 0.1))], forces={0: -0.7}
+    )
+    system = (
+        ss.Structure([1.0, 2.0])
+        .with_ground_spring(0, 4.0)
+        .with_spring(0, 1, 3.0)
+        .with_ground_damper(1, 0.2)
+        .with_force(0, ss.Drive.harmonic(0.3, 1.3, 0.2))
+        .with_contact(belt)
+        .with_contact(ss.Contact(1, ss.Capstan(0.3, 0.2, 2.0), 0.4))
+        .with_element(ss.ForceElement({0: 1.0, 1: -1.0}, table, factor=factor))
+        .with_first_order(lag)
+    )
+    motion = system.simulate(([0.1, -0.2], [0.3, 0.4], [0.05]), 30.0)
+    assert len(motion.events) > 10
+    assert lines_of(motion, np.arange(31.0)) == rust["elements"]
 
 
 KINDS = {"kv_close": ("close", 0), "kv_open": ("open", 0)}
@@ -164,17 +196,37 @@ def test_motions_are_those_of_the_reference(name: str) -> None:
     assert compared > 150, compared
 
 
-@pytest.mark.skipif("TIMES" not in os.environ, reason="measures times: set TIMES=1")
-def test_a_sample_takes_at_most_twice_the_time_of_rust(rust: dict[str, list[str]]) -> None:
-    system = ss.MassOnBelt(ss.Polynomial(0.4, 0.25, 0.5), 0.2, damping=0.05)
-    motion = system.simulate((0.0, 0.0), 1000.0)
-    times = 1000.0 * np.arange(100_000) / 100_000
+def least_time(call: Callable[[], object], repeats: int = 1) -> float:
+    """The least time of a call, in seconds."""
     least = np.inf
     for _ in range(9):
         begin = time.perf_counter()
-        motion.sample(times)
-        least = min(least, time.perf_counter() - begin)
-    assert least < 2.0 * float(rust["sample"][0])
+        for _ in range(repeats):
+            call()
+        least = min(least, (time.perf_counter() - begin) / repeats)
+    return float(least)
+
+
+@pytest.mark.skipif("TIMES" not in os.environ, reason="measures times: set TIMES=1")
+def test_work_takes_at_most_twice_the_time_of_rust(rust: dict[str, list[str]]) -> None:
+    system = ss.MassOnBelt(ss.Polynomial(0.4, 0.25, 0.5), 0.2, damping=0.05)
+    structure = system.structure()
+    motion = system.simulate((0.0, 0.0), 1000.0)
+    of_structure = structure.simulate(([0.0], [0.0]), 1000.0)
+    times = 1000.0 * np.arange(100_000) / 100_000
+    work: dict[str, Callable[[], object]] = {
+        "run": lambda: system.simulate((0.0, 0.0), 1000.0),
+        "run of a structure": lambda: structure.simulate(([0.0], [0.0]), 1000.0),
+        "cycles": lambda: ss.limit_cycles(system),
+        "samples": lambda: motion.sample(times),
+        "samples of a structure": lambda: of_structure.sample(times),
+    }
+    ratios = {}
+    for name, call in work.items():
+        taken, in_rust = least_time(call), float(rust[f"time of {name}"][0])
+        print(f"{name}: {1e3 * taken:.3g} ms, {taken / in_rust:.2f} times that of Rust")
+        ratios[name] = taken / in_rust
+    assert max(ratios.values()) < 2.0, ratios
 
 
 @pytest.mark.skipif("TIMES" not in os.environ, reason="measures times: set TIMES=1")
@@ -184,7 +236,7 @@ def test_a_call_costs_at_most_20_us() -> None:
     contact = ss.Contact(0, law, 1.0, belt_velocity=0.2)
     block = ss.Structure([1.0]).with_ground_spring(0, 1.0).with_contact(contact)
     motions = system.simulate((0.0, 0.0), 10.0), block.simulate(([0.0], [0.0]), 10.0)
-    calls = {
+    calls: dict[str, Callable[[], object]] = {
         "a property": lambda: motions[0].duration,
         "law.kinetic": lambda: law.kinetic(0.3),
         "a law": lambda: ss.Polynomial(0.4, 0.25, 0.5),
@@ -198,14 +250,6 @@ def test_a_call_costs_at_most_20_us() -> None:
         "events": lambda: motions[1].events,
         "simulate": lambda: system.simulate((0.0, 0.0), 0.0),
     }
-    taken = {}
-    for name, call in calls.items():
-        least = np.inf
-        for _ in range(20):
-            begin = time.perf_counter()
-            for _ in range(200):
-                call()
-            least = min(least, (time.perf_counter() - begin) / 200)
-        taken[name] = 1e6 * least
+    taken = {name: 1e6 * least_time(call, 500) for name, call in calls.items()}
     print({name: round(us, 2) for name, us in taken.items()})
     assert max(taken.values()) < 20.0, taken

@@ -1,11 +1,15 @@
 //! Prints the bits of the reference motions: one line for each event and each state, and how long
-//! it takes to sample a motion. `tests/test_reference.py` compares them with those of Python.
+//! some work takes. `tests/test_reference.py` compares them with those of Python.
 
 use std::time::Instant;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use stick_slip::structure::State;
-use stick_slip::{Element, EventKind, MassOnBelt, Polynomial, Structure, Trajectory, limit_cycle};
+use stick_slip::{
+    Backlash, Contact, Directional, Drive, Element, Error, EventKind, FirstOrder, ForceElement,
+    MassOnBelt, Polynomial, PolynomialSpring, Stribeck, Structure, TabulatedForce, Trajectory,
+    limit_cycle,
+};
 use stick_slip_tests_common::reading::{cases, numbers, remembering, structure};
 use stick_slip_tests_common::{list, number, system_of};
 
@@ -105,25 +109,72 @@ fn structures(file: &str, system: impl Fn(&Value) -> Structure) {
     }
 }
 
-fn time_of_a_sample() {
+/// What the reference files do not have: first-order states, loads by a law, tables, a band brake.
+fn elements() {
+    let build = || -> Result<Structure, Error> {
+        let load = PolynomialSpring::new(&[0.2, 0.0, 0.1])?;
+        let belt = Contact::new(0, Stribeck::new(0.4, 0.25, 0.3, 1)?, 1.0)?.on_belt(0.3);
+        let band = Directional::capstan(0.3, 0.2, 2.0)?;
+        let table = TabulatedForce::new(&[(-1.0, -1.0), (0.0, 0.0), (1.0, 2.0)])?;
+        let factor = Drive::harmonic(0.2, 0.7, 0.0)?.with_constant(1.0)?;
+        let lag = FirstOrder::lag(0.5)?
+            .with_velocity(1, 2.0)?
+            .with_law(&[(0, 1.0)], Backlash::new(1.0, 0.1)?)?
+            .with_force(0, -0.7)?;
+        Structure::new(&[1.0, 2.0])?
+            .with_ground_spring(0, 4.0)?
+            .with_spring(0, 1, 3.0)?
+            .with_ground_damper(1, 0.2)?
+            .with_force(0, Drive::harmonic(0.3, 1.3, 0.2)?)?
+            .with_contact(belt.with_load_law(&[(1, 1.0)], load)?)?
+            .with_contact(Contact::new(1, band, 0.4)?)?
+            .with_element(ForceElement::between(0, 1, table)?.with_factor(factor)?)?
+            .with_first_order(lag)
+    };
+    let start = State::new(&[0.1, -0.2], &[0.3, 0.4]).with_memory(&[0.05]);
+    let motion = build().unwrap().simulate(start, 30.0).unwrap();
+    let states: Vec<Value> = (0..=30).map(|t| json!({ "t": t.to_string() })).collect();
+    print(&motion, &json!({ "id": "elements", "states": states }));
+}
+
+/// The least time of nine runs, in seconds.
+fn time<T>(name: &str, run: impl Fn() -> T) {
+    let once = || {
+        let begin = Instant::now();
+        let result = run();
+        let taken = begin.elapsed().as_secs_f64();
+        std::hint::black_box(result);
+        taken
+    };
+    let least = (0..9).map(|_| once()).fold(f64::INFINITY, f64::min);
+    println!("time {name} {least}");
+}
+
+fn times() {
     let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
     let system = MassOnBelt::new(law, 0.2)
         .and_then(|it| it.with_damping(0.05))
         .unwrap();
-    let motion = system.simulate((0.0, 0.0), 1000.0).unwrap();
+    let structure = Structure::from(&system);
+    let run = || system.simulate((0.0, 0.0), 1000.0).unwrap();
+    let run_structure = || structure.simulate(State::at_rest(1), 1000.0).unwrap();
+    time("run", run);
+    time("run of a structure", run_structure);
+    time("cycles", || limit_cycle::find(&system).unwrap());
+    let (motion, of_structure) = (run(), run_structure());
     let count = 100_000;
-    let times: Vec<f64> = (0..count)
-        .map(|i| 1000.0 * f64::from(i) / f64::from(count))
-        .collect();
-    let run = || {
-        let begin = Instant::now();
+    let times = (0..count).map(|i| 1000.0 * f64::from(i) / f64::from(count));
+    let times: Vec<f64> = times.collect();
+    time("samples", || {
         let states: Vec<_> = motion.sample_at(&times).collect();
-        let taken = begin.elapsed().as_secs_f64();
         assert_eq!(states.len(), times.len());
-        taken
-    };
-    let least = (0..9).map(|_| run()).fold(f64::INFINITY, f64::min);
-    println!("sample {least}");
+        states
+    });
+    time("samples of a structure", || {
+        let states: Vec<_> = of_structure.sample_at(&times).collect();
+        assert_eq!(states.len(), times.len());
+        states
+    });
 }
 
 fn main() {
@@ -176,5 +227,6 @@ fn main() {
         include_str!("../../../../tests/data/rate_state_trajectories.json"),
         plain,
     );
-    time_of_a_sample();
+    elements();
+    times();
 }
