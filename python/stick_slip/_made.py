@@ -33,9 +33,9 @@ def refuse(result: Any) -> NoReturn:
     kind = type(result)
     numbers = [name for name in vars(kind) if not name.startswith("_")][:3]
     raise TypeError(
-        f"results are not pickled, such as this {kind.__name__}: return from the process the "
-        f"numbers and arrays that you need ({', '.join(numbers)}, ...), or send the system and "
-        "compute the result where you need it"
+        f"results and formulas are not pickled, such as this {kind.__name__}: return the "
+        f"numbers and arrays that you need ({', '.join(numbers)}, ...) from the process, or send "
+        "the system and compute the result where you need it"
     )
 
 

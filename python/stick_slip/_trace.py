@@ -285,8 +285,11 @@ def formula(result: object, names: Sequence[str], slots: int) -> Formula:
             raise TypeError(f"a law must return a number, not {result!r}")
         result = Symbol("constant", (), value)
     operations: list[Operation] = []
-    emit(result, len(names), slots, operations)
-    return Formula(operations, text(result, names))
+    try:
+        emit(result, len(names), slots, operations)
+        return Formula(operations, text(result, names))
+    except RecursionError:
+        refuse("an expression nested so deeply")
 
 
 def symbols(names: Sequence[str]) -> tuple[Symbol, ...]:

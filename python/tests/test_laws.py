@@ -197,6 +197,17 @@ def test_a_recorded_law_moves_like_the_named_one() -> None:
     assert cycles[0][0].period == pytest.approx(cycles[1][0].period, rel=1e-13)
 
 
+def test_own_laws_may_be_long_but_not_deep() -> None:
+    def chain(s: Any, n: int) -> Any:
+        for _ in range(n):
+            s = s * 0.5 + 0.1
+        return s
+
+    assert ss.Law(lambda s: chain(s, 100), static=0.3).kinetic(1.0) == chain(1.0, 100)
+    with pytest.raises(TypeError, match="nested so deeply"):
+        ss.Law(lambda s: chain(s, 5000), static=0.3)
+
+
 def test_own_laws_are_checked() -> None:
     with pytest.raises(ss.ParameterError) as caught:
         ss.Law(lambda s: 0.6 - s, static=0.5)

@@ -125,7 +125,7 @@ def test_results_say_what_to_send_instead() -> None:
     orbit = ss.settle(system, (0.0, 0.0), 50.0, estimate=6.8)
     results = [system.simulate((0.0, 0.0), 1.0), orbit, ss.limit_cycles(system), orbit.energy]
     for result in results:
-        with pytest.raises(TypeError, match="return from the process the numbers") as caught:
+        with pytest.raises(TypeError, match="return the numbers and arrays") as caught:
             pickle.dumps(result)
         assert type(result).__name__ in str(caught.value)
     assert pickle.loads(pickle.dumps(orbit.state)).velocities == orbit.state.velocities
