@@ -61,13 +61,8 @@ impl PyOrbit {
     }
 
     fn contact(&self, index: Index) -> PyResult<usize> {
-        let modes = self
-            .orbit
-            .trajectory()
-            .steps()
-            .first()
-            .map_or(0, |step| step.modes().len());
-        within(index, modes, "contact")
+        let count = self.orbit.energy().friction_loss.len();
+        within(index, count, "contact")
     }
 }
 
