@@ -303,7 +303,11 @@ impl std::fmt::Debug for Step {
     }
 }
 
-impl sealed::Part for Step {}
+impl sealed::Part for Step {
+    fn relative_velocity(&self, contact: usize) -> Option<PowerSeries> {
+        (contact == 0 && self.duration > 0.0).then(|| self.speed.scaled(self.sigma()))
+    }
+}
 
 impl Segment for Step {
     type State = State;

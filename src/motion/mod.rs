@@ -36,6 +36,7 @@ use crate::error::Error;
 pub(crate) mod sealed {
     use super::{Integrator, Segment, Steps, Stop, System, SystemState, Trajectory};
     use crate::error::Error;
+    use crate::series::PowerSeries;
     use crate::state::structure;
 
     pub trait Sealed {}
@@ -65,6 +66,11 @@ pub(crate) mod sealed {
     }
 
     pub trait Part {
+        /// The series of the relative velocity of a contact since the start of the step, exact to
+        /// its last digits also where the contact creeps; `None` in a step of duration 0, or if
+        /// there is no such contact.
+        fn relative_velocity(&self, contact: usize) -> Option<PowerSeries>;
+
         /// The state at a time of the step, as [`Trajectory::state_at`] returns it: a time since
         /// the start has a rounding error of its own.
         fn state_at_time(&self, time: f64) -> <Self as Segment>::State

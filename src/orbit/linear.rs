@@ -5,6 +5,7 @@ use super::coefficient::{Coefficient, product};
 use super::elements::ElementDerivatives;
 use crate::friction::memory::object::Derivative;
 use crate::friction::memory::{Input, Motion, Slip};
+use crate::motion::sealed::Part as _;
 use crate::motion::{Mode, Segment};
 use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
@@ -116,6 +117,7 @@ impl Linear {
             let variables = &contact.memory;
             let variables = model.len() + variables.start..model.len() + variables.end;
             let along = ContactAlong {
+                number,
                 contact,
                 step,
                 memories: step.series().get(variables).unwrap_or(&[]),
@@ -162,6 +164,7 @@ impl Linear {
 
 /// A contact along a step.
 struct ContactAlong<'a> {
+    number: usize,
     contact: &'a ContactData<'a>,
     step: &'a Step,
     memories: &'a [PowerSeries],
@@ -262,13 +265,10 @@ impl ContactAlong<'_> {
 
     fn slip(&self, joint: &mut ContactDerivatives, direction: f64) {
         let (step, contact) = (self.step, self.contact);
-        let velocities = step.series();
-        if velocities.is_empty() {
+        let Some(relative) = step.relative_velocity(self.number) else {
             return;
-        }
-        let surface = contact.belt_velocity.series(step.clock());
-        let relative = |k: usize| contact.along(|j| velocities[j][k]) - surface[k];
-        let speeds = PowerSeries::from_fn(|k| direction * relative(k));
+        };
+        let speeds = relative.scaled(direction);
         let middle = speeds.at(0.5 * step.duration());
         let load = self.load(step.state());
         let motion = Motion::Slip(Slip {

@@ -7,6 +7,7 @@ use nalgebra::DVector;
 
 use super::form::GeneralForm;
 use crate::clock::Clock;
+use crate::motion::sealed::Part as _;
 use crate::motion::{EnergyBudget, Mode, Segment};
 use crate::numerics::gauss::gauss_nodes;
 use crate::numerics::power_of_two;
@@ -50,7 +51,7 @@ impl Measures {
         Self {
             coordinates: coordinates.collect(),
             contacts: (0..form.contacts())
-                .map(|c| Contact::of(form, steps, c))
+                .map(|c| Contact::of(steps, c))
                 .collect(),
             energy,
         }
@@ -98,21 +99,19 @@ impl Coordinate {
 }
 
 impl Contact {
-    fn of(form: &GeneralForm<'_>, steps: &[Step], number: usize) -> Self {
-        let contact = &form.model.contacts[number];
+    fn of(steps: &[Step], number: usize) -> Self {
         let mut clock = Clock::default();
         let mut max_sliding_speed = 0.0_f64;
         for step in steps {
             if step.modes()[number] == Mode::Stick {
                 clock = clock.after(step.duration());
             }
-            if !matches!(step.modes()[number], Mode::Slip(_)) || step.series().is_empty() {
+            if !matches!(step.modes()[number], Mode::Slip(_)) {
                 continue;
             }
-            let mut relative = contact.belt_velocity.series(step.clock()).scaled(-1.0);
-            for &(j, b) in contact.direction.iter() {
-                relative.add(b, &step.series()[j]);
-            }
+            let Some(relative) = step.relative_velocity(number) else {
+                continue;
+            };
             let mut meet = |t: f64| max_sliding_speed = max_sliding_speed.max(relative.at(t).abs());
             meet(0.0);
             meet(step.duration());

@@ -40,7 +40,7 @@
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
-// | `poincare.rs` | `section`, `section_at`: Poincaré sections |
+// | `poincare.rs` | `section`, `section_at`, `section_through`: Poincaré sections |
 // | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences (`variation.rs`) between motions with the same events, in any order if they happen at one instant (`neighbour.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
@@ -98,7 +98,7 @@
 //! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on this branch |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of the same kind within a step can be missed |
 //! | any system: derivatives of a motion with respect to parameters, for fits | [`sensitivities`], [`orbit_sensitivities`] | an error of about 1e-11 of the largest derivative, or a typed error |
-//! | any system: Poincaré sections | [`section`], [`section_at`] | the points of one motion |
+//! | any system: Poincaré sections | [`section`], [`section_at`], [`section_through`] | the points of one motion |
 //! | any system: the largest Lyapunov exponent, positive in chaos | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
 //! The motions of one mass on a belt of constant velocity lie in the phase plane and cannot cross
@@ -261,7 +261,9 @@ pub use oscillator::Oscillator;
 pub(crate) use oscillator::{FamilyOfTwo, member};
 pub use period::Period;
 pub use periodic_orbit::Orbit;
-pub use poincare::{EventSection, Section, section, section_at};
+pub use poincare::{
+    EventSection, Passage, Section, SpeedSection, section, section_at, section_through,
+};
 pub use ranges::{Border, VibrationRange, VibrationRanges, vibration_ranges};
 pub use sensitivity::{
     EventSensitivity, OrbitSensitivities, Sensitivities, orbit_sensitivities, sensitivities,

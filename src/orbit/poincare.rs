@@ -1,11 +1,15 @@
-//! Poincaré sections: the states of a motion once in each period, or at each event of one kind.
+//! Poincaré sections: the states of a motion once in each period, at each event of one kind, or
+//! where the sliding speed of a contact passes a value.
 
+use std::collections::VecDeque;
 use std::fmt;
+use std::ops::ControlFlow;
 
 use super::oscillator::Oscillator;
 use crate::error::{Error, Reached};
-use crate::motion::sealed::State as _;
+use crate::motion::sealed::{Part as _, State as _};
 use crate::motion::{Event, EventKind, Integrator, Segment, SystemState};
+use crate::series::PowerSeries;
 
 /// Steps without an item after which a section returns an error.
 const PATIENCE: usize = Integrator::DEFAULT_MAX_STEPS;
@@ -171,19 +175,18 @@ pub fn section_at<'s, S: Oscillator>(
     contact: usize,
     kind: EventKind,
 ) -> EventSection<'s, S> {
-    let exists = contact < system.form().model.contacts.len();
-    let checked = Error::check(
-        "orbit::section_at",
-        "contact",
-        contact as f64,
-        exists,
-        "a contact of the system",
-    );
     EventSection {
-        steps: Steps::new(system, start, checked),
+        steps: Steps::new(system, start, exists(system, "orbit::section_at", contact)),
         contact,
         kind,
     }
+}
+
+/// The number of a contact, unless the system has no such contact.
+fn exists(system: &impl Oscillator, of: &'static str, contact: usize) -> Result<f64, Error> {
+    let exists = contact < system.form().model.contacts.len();
+    let allowed = "a contact of the system";
+    Error::check(of, "contact", contact as f64, exists, allowed)
 }
 
 impl<S: Oscillator> Iterator for EventSection<'_, S> {
@@ -206,6 +209,157 @@ impl<S: Oscillator> Iterator for EventSection<'_, S> {
     }
 }
 
+/// A passage of the sliding speed of a contact through a value: an item of [`section_through`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passage<S> {
+    /// Time of the passage, in the units of the system.
+    pub time: f64,
+    /// State at this time.
+    pub state: S,
+    /// True if the contact becomes faster.
+    pub rises: bool,
+}
+
+/// The passages of the sliding speed of a contact through a value; returned by [`section_through`].
+pub struct SpeedSection<'s, S: Oscillator + 's> {
+    steps: Steps<'s, S>,
+    contact: usize,
+    speed: f64,
+    /// Whether the contact was faster at the end of the last step.
+    was_faster: Option<bool>,
+    /// Passages of the last step.
+    passages: VecDeque<Passage<S::State>>,
+}
+
+/// Every passage of the sliding speed |r| of a contact through a value V > 0, in the motion from a
+/// start at time 0: a Poincaré section also where a contact never sticks, as under
+/// [`RateState`](crate::RateState) friction.
+///
+/// r is the relative velocity of the contact, and V is in units of velocity. The speed passes V in
+/// both directions ([`Passage::rises`]); neither a start at V nor a touch counts. Passages are
+/// isolated roots of power series, exact to the last bit, and none is missed. Where r jumps with a
+/// belt velocity, it may jump through V. (r = 0 is an event: see [`section_at`].)
+///
+/// Each passage is computed when the iterator reaches it, in constant memory. The iterator ends if
+/// the motion reaches an equilibrium and stays there.
+///
+/// # Errors
+///
+/// An item is [`Error::InvalidParameter`] if the contact does not exist or unless V is positive and
+/// finite, [`Error::TooManySteps`] if 10⁵ steps contain no passage, or an error of
+/// [`Integrator::flow`]. After an error the iterator returns `None`.
+///
+/// ```
+/// use stick_slip::orbit::{self, Period};
+/// use stick_slip::{Contact, RateState, Structure, structure::State};
+///
+/// // Earthquakes of a fault, by the square metre.
+/// let (plate, radiation) = (1e-9, 4.6e6);
+/// let law = RateState::aging(0.6, 0.01, 0.015, 8e-3, 1e-6)?;
+/// let fault = Structure::new(&[3.90625e6])?
+///     .with_ground_spring(0, 1.5625e7)?
+///     .with_ground_damper(0, radiation)?
+///     .with_force(0, radiation * plate)?
+///     .with_contact(Contact::new(0, law, 5e7)?.on_belt(plate))?;
+/// let start = State::new(&[1.92], &[0.0]).with_memory(&[6.9]).with_sliding(0, -1.2e-9);
+///
+/// // The third and fourth time at which the fault becomes slower than 1e-10 m/s.
+/// let passages = orbit::section_through(&fault, &start, 0, 1e-10);
+/// let mut slower = passages.filter(|passage| passage.as_ref().is_ok_and(|p| !p.rises)).skip(2);
+/// let (one, next) = (slower.next().unwrap()?, slower.next().unwrap()?);
+/// let orbit = orbit::shoot(&fault, &one.state, Period::Free(next.time - one.time))?;
+/// assert!((orbit.period() / 5.81267700583e8 - 1.0).abs() < 1e-11);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "threshold")]
+pub fn section_through<'s, S: Oscillator>(
+    system: &'s S,
+    start: &S::State,
+    contact: usize,
+    speed: f64,
+) -> SpeedSection<'s, S> {
+    const OF: &str = "orbit::section_through";
+    let checked = exists(system, OF, contact);
+    let checked = checked.and_then(|_| Error::check(OF, "speed", speed, speed > 0.0, "speed > 0"));
+    SpeedSection {
+        steps: Steps::new(system, start, checked),
+        contact,
+        speed,
+        was_faster: None,
+        passages: VecDeque::new(),
+    }
+}
+
+/// The times since the start of a step at which |r| passes a value, and `true` where it rises.
+fn passages(relative: &PowerSeries, speed: f64, h: f64) -> Vec<(f64, bool)> {
+    let mut passages = Vec::new();
+    // In equilibrium nothing changes.
+    if h.is_finite() {
+        for side in [1.0, -1.0] {
+            let beyond = relative.scaled(side).minus(speed);
+            let _ = beyond.sign_changes(h, &mut |t, rises| {
+                passages.push((t, rises));
+                ControlFlow::Continue(())
+            });
+        }
+        passages.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    }
+    passages
+}
+
+impl<S: Oscillator> SpeedSection<'_, S> {
+    /// Adds the passages of a step.
+    fn meet(&mut self, step: &<S::State as SystemState>::Step) {
+        /// A part of the speed by which two steps may differ where they meet.
+        const ROUNDING: f64 = 1e-9;
+        let Some(relative) = step.relative_velocity(self.contact) else {
+            return;
+        };
+        let mut passages = passages(&relative, self.speed, step.duration());
+        let first = passages.first();
+        let starts_faster = first.map_or(relative[0].abs() > self.speed, |first| !first.1);
+        if self
+            .was_faster
+            .is_some_and(|was_faster| was_faster != starts_faster)
+        {
+            // A passage near the end of the last step may be seen again.
+            let is_near = |t: f64| {
+                let beyond = relative.at(t).abs() - self.speed;
+                beyond.abs() <= ROUNDING * self.speed
+            };
+            match passages.first() {
+                Some(&(t, _)) if is_near(0.0) && is_near(0.5 * t) => _ = passages.remove(0),
+                _ => passages.insert(0, (0.0, starts_faster)),
+            }
+        }
+        let ends_faster = passages.last().map_or(starts_faster, |last| last.1);
+        self.was_faster = Some(ends_faster);
+        self.passages
+            .extend(passages.into_iter().map(|(t, rises)| Passage {
+                time: (step.start_time() + t).min(step.end_time()),
+                state: step.state_at(t),
+                rises,
+            }));
+    }
+}
+
+impl<S: Oscillator> Iterator for SpeedSection<'_, S> {
+    type Item = Result<Passage<S::State>, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(passage) = self.passages.pop_front() {
+                self.steps.count = 0;
+                return Some(Ok(passage));
+            }
+            match self.steps.next()? {
+                Ok(step) => self.meet(&step),
+                Err(error) => return Some(Err(error)),
+            }
+        }
+    }
+}
+
 impl<S: Oscillator> fmt::Debug for Section<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Section")
@@ -220,6 +374,15 @@ impl<S: Oscillator> fmt::Debug for EventSection<'_, S> {
         f.debug_struct("EventSection")
             .field("contact", &self.contact)
             .field("kind", &self.kind)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<S: Oscillator> fmt::Debug for SpeedSection<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpeedSection")
+            .field("contact", &self.contact)
+            .field("speed", &self.speed)
             .finish_non_exhaustive()
     }
 }

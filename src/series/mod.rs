@@ -68,9 +68,9 @@ pub(crate) fn quarters(h: f64) -> [f64; 4] {
     [0.25 * h, 0.5 * h, 0.75 * h, h]
 }
 
-/// A power series c(t) = c_0 + c_1 t + … + c_26 t²⁶.
+/// A power series c(t) = c_0 + c_1 t + … + c_26 t²⁶. Not exported.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PowerSeries([f64; TERMS]);
+pub struct PowerSeries([f64; TERMS]);
 
 impl PowerSeries {
     pub(crate) const ZERO: Self = Self([0.0; TERMS]);

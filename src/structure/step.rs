@@ -280,6 +280,13 @@ impl std::fmt::Debug for Step {
 }
 
 impl sealed::Part for Step {
+    fn relative_velocity(&self, contact: usize) -> Option<PowerSeries> {
+        let (others, sliding) = self.series.split_at(self.series().len());
+        let velocities = others.get(..self.coordinates)?;
+        let series = [velocities, sliding];
+        self.modes.relative_series(contact, self.start, series)
+    }
+
     fn state_at_time(&self, time: f64) -> State {
         self.state_since(self.since_start(time), time)
     }

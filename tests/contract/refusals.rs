@@ -385,6 +385,8 @@ fn searches() -> Vec<Case> {
         "bifurcation::along" "range.end" EMPTY, |x| loads(0.1..x).silence();
         "orbit::section" "period" NOT_ABOVE,
             |x| orbit::section(&belt(), &start(), x).next().transpose();
+        "orbit::section_through" "speed" NOT_ABOVE,
+            |x| orbit::section_through(&belt(), &start(), 0, x).next().transpose();
         "orbit::Period" "period" NOT_ABOVE, |x| orbit::shoot(&belt(), &start(), Period::Free(x));
         "orbit::follow" "range.start" &ANY, |x| follow(0.2, x..0.3);
         "orbit::follow" "range.end" EMPTY, |x| follow(0.2, 0.1..x);
@@ -440,6 +442,9 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let mut no_contact = orbit::section_at(&belt, &(0.0, 0.0).into(), 3, EventKind::Stick);
     let no_contact_3 = no_contact.next().unwrap().unwrap_err();
     assert_eq!(no_contact.next(), None);
+    let mut no_contact = orbit::section_through(&belt, &(0.0, 0.0).into(), 3, 0.1);
+    let no_contact_4 = no_contact.next().unwrap().unwrap_err();
+    assert_eq!(no_contact.next(), None);
     let no_period = orbit::shoot(&forced, &start, Period::Driven(0));
     let no_steps = Integrator::new().with_max_steps(0);
     let no_search = Search::new().with_max_steps(0);
@@ -477,6 +482,7 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
         ("Structure", "masses", 0.0, no_matrix.unwrap_err()),
         ("orbit::Period", "periods", 0.0, no_period.unwrap_err()),
         ("orbit::section_at", "contact", 3.0, no_contact_3),
+        ("orbit::section_through", "contact", 3.0, no_contact_4),
         ("orbit::lyapunov", "duration", 1e-17, no_time.unwrap_err()),
     ]
 }

@@ -3,15 +3,16 @@
 use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::Complex;
 use stick_slip::orbit::{
-    Oscillator, Period, lyapunov, lyapunov_with_spread, section, section_at, settle, shoot,
+    Oscillator, Passage, Period, lyapunov, lyapunov_with_spread, section, section_at,
+    section_through, settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, EventKind, Integrator, MassOnBelt, Rational, Structure,
-    System, limit_cycle,
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Integrator, MassOnBelt, RateState,
+    Rational, Structure, System, Trajectory, limit_cycle,
 };
 
-use crate::common::{on_belt, one_mass, paper, text};
+use crate::common::{Random, on_belt, one_mass, paper, text};
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
@@ -285,4 +286,146 @@ fn events_are_a_section_too() {
         "{found:?}"
     );
     assert_eq!(none.next(), None);
+}
+
+/// The passages up to a time.
+fn passages<S: Oscillator<State = State>>(
+    system: &S,
+    start: &State,
+    (contact, speed): (usize, f64),
+    end: f64,
+) -> Vec<Passage<State>> {
+    section_through(system, start, contact, speed)
+        .map(Result::unwrap)
+        .take_while(|passage| passage.time <= end)
+        .collect()
+}
+
+/// Whether a contact is faster than a speed at equidistant times, as often as this changes.
+fn seen(motion: &Trajectory<State>, (contact, speed): (usize, f64)) -> Vec<(f64, bool)> {
+    const PLACES: u32 = 20_000;
+    let place = |k: u32| motion.duration() * f64::from(k) / f64::from(PLACES);
+    let is_faster = |t: f64| motion.sliding_velocity(contact, t).abs() > speed;
+    let changes = (1..=PLACES).filter_map(|k| {
+        let [before, now] = [place(k - 1), place(k)].map(is_faster);
+        (before != now).then_some((place(k), now))
+    });
+    changes.collect()
+}
+
+/// Two blocks that stick, slip and overtake their belts: both directions of slip, and steps of all
+/// modes. Samples, which may overlook two passages, see the same.
+#[test]
+fn speeds_pass_a_value_where_samples_see_it() {
+    let mut random = Random::new(5);
+    let mut all = 0;
+    for _ in 0..20 {
+        let contact = |i: usize, random: &mut Random| {
+            let law = Rational::new(random.uniform(0.6, 1.0), random.uniform(1.0, 4.0)).unwrap();
+            let contact = Contact::new(i, law, random.uniform(0.5, 1.5)).unwrap();
+            contact.on_belt(random.uniform(-0.3, 0.3))
+        };
+        let contacts = [0, 1].map(|i| contact(i, &mut random));
+        let system = Structure::new(&[1.0, 1.3])
+            .and_then(|pair| pair.with_ground_spring(0, 1.0)?.with_ground_spring(1, 0.7))
+            .and_then(|pair| pair.with_spring(0, 1, random.uniform(0.2, 2.0)))
+            .and_then(|pair| pair.with_contacts(contacts))
+            .unwrap();
+        let start = State::new(&[random.uniform(-2.0, 2.0), 1.0], &[0.4, -0.9]);
+        let motion = system.simulate(start.clone(), 40.0).unwrap();
+        for contact in [0, 1] {
+            let threshold = (contact, random.logarithmic(1e-3, 0.5));
+            let found = passages(&system, &start, threshold, motion.duration());
+            let seen = seen(&motion, threshold);
+            let apart = motion.duration() / 1e4;
+            // What samples see are passages; between two of them another pair may hide.
+            let mut pair = 0;
+            for (time, rises) in &seen {
+                let place = found[pair..].iter().position(|passage| {
+                    passage.rises == *rises && (passage.time - time).abs() <= apart
+                });
+                let place = place.unwrap_or_else(|| panic!("{threshold:?}: {time} {rises}"));
+                assert!(place.is_multiple_of(2), "{threshold:?}: {time}");
+                pair += place + 1;
+            }
+            assert!((found.len() - pair).is_multiple_of(2));
+            for passage in &found {
+                let speed = motion.sliding_velocity(contact, passage.time).abs();
+                assert!(
+                    (speed - threshold.1).abs() < 1e-14,
+                    "{threshold:?}: {speed}"
+                );
+                let state = motion.state_at(passage.time).unwrap();
+                assert!((state.displacements[0] - passage.state.displacements[0]).abs() < 1e-14);
+                all += 1;
+            }
+            for pair in found.windows(2) {
+                assert!(pair[0].rises != pair[1].rises && pair[0].time < pair[1].time);
+            }
+        }
+    }
+    assert!(all > 300, "{all}");
+}
+
+/// Between the passages of a belt's limit cycle lies half of what its closed form gives.
+#[test]
+fn speeds_of_a_belt_pass_a_value() {
+    // Coulomb friction, slip of an undamped mass: s = A |sin(t − t₀)| with the belt at rest.
+    let system = MassOnBelt::new(Coulomb::new(0.3, 0.3).unwrap(), 0.0).unwrap();
+    let found = section_through(&system, &(5.0, 0.0).into(), 0, 1.0);
+    let found: Vec<Passage<_>> = found.map(Result::unwrap).collect();
+    let expected = (0..).map_while(|half| {
+        // The amplitude falls by 2μ in each half of a cycle.
+        let amplitude = 4.7 - 0.6 * f64::from(half);
+        let since = std::f64::consts::PI * f64::from(half);
+        (amplitude > 1.0).then(|| {
+            let angle = f64::asin(1.0 / amplitude);
+            [
+                (since + angle, true),
+                (since + std::f64::consts::PI - angle, false),
+            ]
+        })
+    });
+    let expected: Vec<_> = expected.flatten().collect();
+    assert_eq!(found.len(), expected.len());
+    assert_eq!(expected.len(), 14);
+    for (found, (time, rises)) in std::iter::zip(found, expected) {
+        assert!((found.time - time).abs() < 1e-13, "{found:?} {time}");
+        assert_eq!(found.rises, rises);
+        assert!((found.state.velocity.abs() - 1.0).abs() < 1e-14);
+    }
+    // A touch and a start are no passages.
+    let free = MassOnBelt::new(Coulomb::new(0.4, 0.0).unwrap(), 0.0).unwrap();
+    let count = |speed: f64| {
+        let found = section_through(&free, &(0.0, 0.5).into(), 0, speed);
+        found.take(4).collect::<Result<Vec<_>, Error>>()
+    };
+    let [first, ..] = &count(0.25).unwrap()[..] else {
+        panic!("no passage");
+    };
+    assert!((first.time - std::f64::consts::FRAC_PI_3).abs() < 1e-14 && !first.rises);
+    assert!(matches!(
+        count(0.5 + 1e-12),
+        Err(Error::TooManySteps { .. })
+    ));
+}
+
+/// Where the surface jumps, the speed jumps through the value.
+#[test]
+fn a_speed_may_jump_through_a_value() {
+    let surface = Drive::profile(&[(0.0, 0.1), (2.0, 0.1), (2.0, 1.0), (4.0, 1.0), (4.0, 0.1)]);
+    let law = RateState::aging(0.4, 0.12, 0.1, 0.3, 0.2).unwrap();
+    let contact = Contact::new(0, law, 1.0).unwrap().on_belt(surface.unwrap());
+    let system = one_mass([1.0, 0.0, 1.0], 0.0, contact).unwrap();
+    let start = State::new(&[0.4], &[0.0]).with_memory(&[0.5]);
+    let found = passages(&system, &start, (0, 0.6), 20.0);
+    let jumps: Vec<_> = found
+        .iter()
+        .filter(|p| p.time == 2.0 || p.time == 4.0)
+        .collect();
+    assert_eq!(jumps[0].time, 2.0);
+    assert!(jumps[0].rises, "{jumps:?}");
+    for pair in found.windows(2) {
+        assert!(pair[0].rises != pair[1].rises && pair[0].time < pair[1].time);
+    }
 }

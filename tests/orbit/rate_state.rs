@@ -1,7 +1,8 @@
 //! Cycles under rate-and-state friction: those computed independently to 25 digits, seismic cycles
 //! over many decades of the sliding speed, and the branch that begins at the Hopf point.
 
-use stick_slip::orbit::{BranchEnd, Orbit, Period, follow, shoot};
+use serde_json::Value;
+use stick_slip::orbit::{BranchEnd, Orbit, Period, follow, section_through, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Error, Integrator, RateState, Structure};
 
@@ -38,16 +39,74 @@ fn cycles_have_the_reference_periods_extremes_and_multipliers() {
     assert!(multipliers >= 2 + 2 + 3 + 4);
 }
 
+/// Passages of the load point's velocity, to the 25 digits computed independently; the speed at
+/// passages has all its digits, down to 1e-13 m/s.
+#[test]
+fn sections_have_the_reference_times_and_states() {
+    let (mut all, mut deep) = (0, 0);
+    for case in cases(include_str!("../data/rate_state_cycles_of_one.json")) {
+        if number(&case["system"]["mass"][0][0]) == 0.0 {
+            continue;
+        }
+        let id = text(&case["id"]);
+        let system = remembering(&case["system"]);
+        let velocity = system.contacts()[0].belt_velocity().value(0.0);
+        let start = of_one(&case);
+        let mut found = section_through(&system, &start, 0, velocity);
+        for section in list(&case["sections"]) {
+            let rises = match text(&section["kind"]) {
+                "faster" => true,
+                "slower" => false,
+                _ => continue,
+            };
+            let passage = found.next().unwrap().unwrap();
+            assert_eq!(passage.rises, rises, "{id}");
+            let [q, phi] = ["q", "phi"].map(|name| numbers(&section[name])[0]);
+            let mut worst = Worst::default();
+            let time = number(&section["t"]);
+            worst.meet_within(1e-13 * time, "time", passage.time, time);
+            worst.meet_within(1e-13 * q, "q", passage.state.displacements[0], q);
+            worst.meet_within(2e-12, "φ", passage.state.memory[0], phi);
+            let [(0, r)] = passage.state.sliding() else {
+                panic!("{id}: {:?}", passage.state);
+            };
+            worst.meet_within(1e-13 * velocity, "r", r.abs(), velocity);
+            worst.assert(id, 1.0);
+            all += 1;
+        }
+        // And those of a value decades below, which the fourth does not reach.
+        let end = number(&case["t_end"]);
+        let low = 1e-4 * velocity;
+        let passages = section_through(&system, &start, 0, low);
+        let passages = passages
+            .take(if id == "rs_04" { 0 } else { 100 })
+            .map(Result::unwrap);
+        let mut last = None;
+        for passage in passages.take_while(|passage| passage.time < end) {
+            let [(0, r)] = passage.state.sliding() else {
+                panic!("{id}: {:?}", passage.state);
+            };
+            assert!((r.abs() / low - 1.0).abs() < 1e-13, "{id}: {r:e}");
+            assert_ne!(last.replace(passage.rises), Some(passage.rises), "{id}");
+            deep += 1;
+        }
+    }
+    assert!(all == 22 && deep >= 10, "{all} {deep}");
+}
+
+fn of_one(case: &Value) -> State {
+    let start = &case["start"];
+    State::new(&numbers(&start["q"]), &[0.0])
+        .with_memory(&numbers(&start["phi"]))
+        .with_sliding(0, numbers(&start["r"])[0])
+}
+
 /// A slider of the data over decades, at the end of a motion that has nearly become periodic.
 fn seismic(id: &str, duration: f64) -> (Structure, State) {
     let cases = cases(include_str!("../data/rate_state_cycles_of_one.json"));
     let case = cases.iter().find(|case| text(&case["id"]) == id).unwrap();
     let system = remembering(&case["system"]);
-    let start = &case["start"];
-    let state = State::new(&numbers(&start["q"]), &[0.0])
-        .with_memory(&numbers(&start["phi"]))
-        .with_sliding(0, numbers(&start["r"])[0]);
-    let motion = system.simulate(state, duration).unwrap();
+    let motion = system.simulate(of_one(case), duration).unwrap();
     (system, motion.last())
 }
 

@@ -10,9 +10,11 @@ use super::contact::{ContactData, Kinematics, load_at};
 use super::factor::Pivot;
 use super::model::Model;
 use super::state::{ContactState, Situation};
+use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::motion::Mode;
 use crate::numerics::sort::sort_by;
+use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -109,6 +111,28 @@ impl Modes {
                 along.sum::<f64>() - of.belt_velocity.value(time)
             }
         }
+    }
+
+    /// The series of the relative velocity of a contact in a step, from its start and the series of
+    /// all velocities and of the relative velocities that are numbers of a state; `None` if there
+    /// is no such contact.
+    pub(crate) fn relative_series(
+        &self,
+        contact: usize,
+        start: Clock,
+        [velocities, sliding]: [&[PowerSeries]; 2],
+    ) -> Option<PowerSeries> {
+        let (mode, of) = (self.modes.get(contact)?, self.kinematics.get(contact)?);
+        if *mode == Mode::Stick && !of.is_elastic {
+            return Some(PowerSeries::ZERO);
+        }
+        let given = self.sliding.iter().position(|&c| c == contact);
+        if let Some(given) = given.and_then(|place| sliding.get(place)) {
+            return Some(*given);
+        }
+        let surface = of.belt_velocity.series(start);
+        let along = |k: usize| of.direction.iter().map(move |&(j, b)| b * velocities[j][k]);
+        Some(PowerSeries::from_fn(|k| along(k).sum::<f64>() - surface[k]))
     }
 
     /// Sets the numbers of a state at a time within the step that the modes determine: the
