@@ -9,7 +9,7 @@ use stick_slip::{
 };
 
 use crate::common::{Random, Worst, apart, exactly, kind, list, number, refused, text};
-use crate::reading::{cases, remembered as state, remembering};
+use crate::reading::{cases, numbers, remembered as state, remembering};
 
 type Made = fn(f64, f64, f64, f64, f64) -> Result<RateState, Error>;
 
@@ -638,4 +638,57 @@ fn surfaces_may_jump() {
         .unwrap()
         .with_contact(coulomb.on_belt(jump));
     assert!(matches!(refused, Err(Error::BeltVelocityJumps { .. })));
+}
+
+/// A law of one state variable or of two after a velocity step, without its type.
+fn stepped(case: &Value) -> Structure {
+    let [f0, a] = ["f0", "a"].map(|name| number(&case[name]));
+    let (b, d_c) = (numbers(&case["b"]), numbers(&case["d_c"]));
+    let made: Made = match text(&case["law"]) {
+        "aging" => RateState::aging,
+        _ => RateState::slip,
+    };
+    let one = made(f0, a, b[0], d_c[0], 1.0).unwrap();
+    let load_point = Drive::profile(&[(0.0, 1.0), (10.0, 1.0), (10.0, 10.0), (40.0, 10.0)]);
+    let contact = match (b.get(1), d_c.get(1)) {
+        (Some(&b), Some(&d_c)) => Contact::new(0, one.with_second_state(b, d_c).unwrap(), 1.0),
+        _ => Contact::new(0, one, 1.0),
+    };
+    // Motions change in proportion to the mass.
+    Structure::new(&[1e-14])
+        .and_then(|slider| slider.with_ground_spring(0, number(&case["k"])))
+        .and_then(|slider| slider.with_contact(contact?.on_belt(load_point?)))
+        .unwrap()
+}
+
+/// Velocity steps that a published program has frozen, to its 8 decimals: `rsfmodel`, by J. R.
+/// Leeman.
+#[test]
+fn velocity_steps_are_those_of_rsfmodel() {
+    let mut all = 0;
+    for case in cases(include_str!("../data/rate_state_steps.json")) {
+        let id = text(&case["id"]);
+        let system = stepped(&case);
+        let (stiffness, d_c) = (number(&case["k"]), numbers(&case["d_c"]));
+        let start = State::new(&[number(&case["f0"]) / stiffness], &[0.0])
+            .with_memory(&vec![0.0; d_c.len()])
+            .with_sliding(0, -1.0);
+        let motion = system.simulate(start, 40.0).unwrap();
+        let states: Vec<Vec<f64>> = list(&case["states"]).iter().map(numbers).collect();
+        let mut worst = Worst::default();
+        let rows = std::iter::zip(numbers(&case["friction"]), numbers(&case["speed"]));
+        for (i, (friction, speed)) in rows.enumerate() {
+            // The step itself is after the number at its time.
+            let time = i as f64 - if i == 10 { 1e-9 } else { 0.0 };
+            let state = motion.state_at(time).unwrap();
+            worst.meet("friction", stiffness * state.displacements[0], friction);
+            worst.meet("speed", motion.sliding_velocity(0, time).abs(), speed);
+            for (j, d_c) in d_c.iter().enumerate() {
+                worst.meet("state", d_c * state.memory[j].exp(), states[j][i]);
+            }
+            all += 2 + d_c.len();
+        }
+        worst.assert(id, 1e-8);
+    }
+    assert_eq!(all, 41 * (3 + 3 + 4 + 4));
 }
