@@ -194,53 +194,130 @@ fn first_integrals_drift_in_proportion_to_the_mass() {
     }
 }
 
-/// Sliders beside each other, in their displacements, the logarithms of their speeds and φ.
-struct Sliders {
+/// Sliders in a row, in their displacements, the logarithms of their speeds and φ: N numbers, three
+/// for each.
+struct Sliders<const N: usize> {
     aging: bool,
+    /// f₀, a, b, D_c, V₀.
     numbers: [f64; 5],
     load: f64,
     mass: f64,
     damping: f64,
-    stiffness: [[f64; 2]; 2],
+    /// The stiffness of the spring of each to the ground, and of those between neighbours.
+    own: f64,
+    between: f64,
     plate: f64,
     weights: Matrix,
 }
 
-type Six = [f64; 6];
+impl<const N: usize> Sliders<N> {
+    const MASSES: usize = N / 3;
 
-impl Sliders {
-    fn rates(&self, y: &Six) -> Six {
+    /// Random sliders of stable and of seismic sliding.
+    fn of(random: &mut Random) -> Self {
+        let aging = random.bits().is_multiple_of(2);
+        let a = random.uniform(0.008, 0.02);
+        let numbers = [
+            random.uniform(0.4, 0.8),
+            a,
+            a * random.uniform(1.1, 1.8),
+            random.logarithmic(1e-5, 1e-2),
+            random.logarithmic(1e-7, 1e-5),
+        ];
+        let [_, a, b, d_c, _] = numbers;
+        let load = random.logarithmic(1e3, 1e8);
+        let plate = random.logarithmic(1e-9, 1e-5);
+        let critical = load * (b - a) / d_c;
+        let own = critical * random.uniform(0.2, 1.0);
+        let between = critical * random.uniform(0.05, 0.5);
+        // Speeds of the order of 0.1 m/s in a quake.
+        let damping = random.uniform(0.5, 2.0) * a * load / 0.1;
+        let mass = own * random.logarithmic(1e-6, 1e-4) * (d_c / 0.1).powi(2);
+        Self {
+            aging,
+            numbers,
+            load,
+            mass,
+            damping,
+            own,
+            between,
+            plate,
+            weights: weights(),
+        }
+    }
+
+    fn law(&self) -> RateState {
+        let made = if self.aging {
+            RateState::aging
+        } else {
+            RateState::slip
+        };
         let [f0, a, b, d_c, v0] = self.numbers;
-        let mut rates = [0.0; 6];
-        for i in 0..2 {
-            let (speed, phi) = (y[2 + i].exp(), y[4 + i]);
-            let friction = f0 + a * (y[2 + i] - v0.ln()) + b * phi;
-            let spring: f64 = (0..2).map(|j| self.stiffness[i][j] * y[j]).sum();
+        made(f0, a, b, d_c, v0).unwrap()
+    }
+
+    fn structure(&self) -> Result<Structure, Error> {
+        let mut system = Structure::new(&vec![self.mass; Self::MASSES])?;
+        for i in 0..Self::MASSES {
+            system = system
+                .with_ground_spring(i, self.own)?
+                .with_ground_damper(i, self.damping)?
+                .with_force(i, self.damping * self.plate)?
+                .with_contact(Contact::new(i, self.law(), self.load)?.on_belt(self.plate))?;
+            if i > 0 {
+                system = system.with_spring(i - 1, i, self.between)?;
+            }
+        }
+        Ok(system)
+    }
+
+    /// The force of all springs of a slider.
+    fn springs(&self, y: &[f64; N], i: usize) -> f64 {
+        let mut force = self.own * y[i];
+        for j in [i.wrapping_sub(1), i + 1] {
+            if j < Self::MASSES {
+                force += self.between * (y[i] - y[j]);
+            }
+        }
+        force
+    }
+
+    fn rates(&self, y: &[f64; N]) -> [f64; N] {
+        let [f0, a, b, d_c, v0] = self.numbers;
+        let mut rates = [0.0; N];
+        for i in 0..Self::MASSES {
+            let [x, phi] = [1, 2].map(|place| y[place * Self::MASSES + i]);
+            let speed = x.exp();
+            let friction = f0 + a * (x - v0.ln()) + b * phi;
             // The damper acts on the sliding speed, as radiated waves do.
-            let force = self.load * friction - spring + self.damping * speed;
+            let force = self.load * friction - self.springs(y, i) + self.damping * speed;
             rates[i] = self.plate - speed;
-            rates[2 + i] = -force / (self.mass * speed);
-            rates[4 + i] = if self.aging {
+            rates[Self::MASSES + i] = -force / (self.mass * speed);
+            rates[2 * Self::MASSES + i] = if self.aging {
                 v0 / d_c * (-phi).exp() - speed / d_c
             } else {
-                -speed / d_c * (y[2 + i] - v0.ln() + phi)
+                -speed / d_c * (x - v0.ln() + phi)
             };
         }
         rates
     }
 
     /// One step of Radau IIA, or `None` if Newton's method fails.
-    fn step(&self, y: &Six, h: f64) -> Option<Six> {
-        let rates = |y: &Six| self.rates(y);
-        let increment = |at: &Six, by: usize| 1e-7 * at[by].abs().max(1e-3);
-        let mut slopes = [[0.0; 6]; STAGES];
+    fn step(&self, y: &[f64; N], h: f64) -> Option<[f64; N]> {
+        let rates = |y: &[f64; N]| self.rates(y);
+        let increment = |at: &[f64; N], by: usize| 1e-7 * at[by].abs().max(1e-3);
+        let mut slopes = [[0.0; N]; STAGES];
         for _ in 0..25 {
             let change = corrections(&self.weights, &rates, &increment, (y, h), &slopes);
             let mut largest = 0.0;
             for (slopes, change) in std::iter::zip(&mut slopes, change) {
-                for n in 0..6 {
+                for n in 0..N {
                     slopes[n] += change[n];
-                    let size = if n < 2 { y[n].abs().max(1e-300) } else { 1.0 };
+                    let size = if n < Self::MASSES {
+                        y[n].abs().max(1e-300)
+                    } else {
+                        1.0
+                    };
                     largest = larger(largest, (h * change[n] / size).abs());
                 }
             }
@@ -255,16 +332,17 @@ impl Sliders {
     }
 
     /// Steps over a time, each as long as two halves agree with it.
-    fn advance(&self, y: &mut Six, time: f64, h: &mut f64) {
+    fn advance(&self, y: &mut [f64; N], time: f64, h: &mut f64) {
         let mut left = time;
         while left > 0.0 {
             let part = h.min(left);
             let whole = self.step(y, part);
             let halves = self.step(y, 0.5 * part);
             let halves = halves.and_then(|middle| self.step(&middle, 0.5 * part));
+            let size = |n: usize| if n < Self::MASSES { y[n].abs() } else { 1.0 };
             let apart = match (whole, halves) {
-                (Some(whole), Some(halves)) => (0..6)
-                    .map(|n| (whole[n] - halves[n]).abs() / if n < 2 { y[n].abs() } else { 1.0 })
+                (Some(whole), Some(halves)) => (0..N)
+                    .map(|n| (whole[n] - halves[n]).abs() / size(n))
                     .fold(0.0, larger),
                 _ => f64::NAN,
             };
@@ -282,98 +360,83 @@ impl Sliders {
             assert!(*h > 1e-15 * time, "the witness does not advance");
         }
     }
-}
 
-/// Two coupled sliders of both laws, of stable and of seismic sliding, over several decades of
-/// their speeds, beside an implicit method in the logarithm of the speed.
-#[test]
-fn random_sliders_move_as_by_an_implicit_method() {
-    let mut random = Random::new(81);
-    let (mut worst, mut most) = (Worst::default(), 0.0_f64);
-    for number in 0..count(4, 60) {
-        let aging = random.bits().is_multiple_of(2);
-        let a = random.uniform(0.008, 0.02);
-        let numbers = [
-            random.uniform(0.4, 0.8),
-            a,
-            a * random.uniform(1.1, 1.8),
-            random.logarithmic(1e-5, 1e-2),
-            random.logarithmic(1e-7, 1e-5),
-        ];
-        let [f0, a, b, d_c, v0] = numbers;
-        let made = if aging {
-            RateState::aging
-        } else {
-            RateState::slip
-        };
-        let law = made(f0, a, b, d_c, v0).unwrap();
-        let load = random.logarithmic(1e3, 1e8);
-        let plate = random.logarithmic(1e-9, 1e-5);
-        let critical = load * (b - a) / d_c;
-        let own = critical * random.uniform(0.2, 1.0);
-        let between = critical * random.uniform(0.05, 0.5);
-        // Speeds of the order of 0.1 m/s in a quake.
-        let damping = random.uniform(0.5, 2.0) * a * load / 0.1;
-        let mass = own * random.logarithmic(1e-6, 1e-4) * (d_c / 0.1).powi(2);
-        let system = Structure::new(&[mass, mass])
-            .and_then(|pair| pair.with_ground_spring(0, own)?.with_ground_spring(1, own))
-            .and_then(|pair| {
-                pair.with_ground_damper(0, damping)?
-                    .with_ground_damper(1, damping)
-            })
-            .and_then(|pair| {
-                let force = damping * plate;
-                pair.with_spring(0, 1, between)?
-                    .with_force(0, force)?
-                    .with_force(1, force)
-            })
-            .and_then(|pair| {
-                let contact = |i: usize| Ok(Contact::new(i, law, load)?.on_belt(plate));
-                pair.with_contacts([contact(0)?, contact(1)?])
-            })
-            .unwrap();
-        let sliders = Sliders {
-            aging,
-            numbers,
-            load,
-            mass,
-            damping,
-            stiffness: [[own + between, -between], [-between, own + between]],
-            plate,
-            weights: weights(),
-        };
-        let steady = load * law.steady(plate) / own;
-        let phi = [0.0, 0.1].map(|by| law.memory_at(plate) + random.uniform(-1.5, 1.5) + by);
+    /// The numbers of a motion at a time.
+    fn seen(motion: &Trajectory<State>, time: f64) -> [f64; N] {
+        let state = motion.state_at(time).unwrap();
+        std::array::from_fn(|n| match (n / Self::MASSES, n % Self::MASSES) {
+            (0, i) => state.displacements[i],
+            (1, i) => motion.sliding_velocity(i, time).abs().ln(),
+            (_, i) => state.memory[i],
+        })
+    }
+
+    /// Compares the motion of random sliders with the implicit method; returns how far the speed of
+    /// the first comes from that of the plate, in powers of e.
+    fn compare(random: &mut Random, number: usize, worst: &mut Worst) -> f64 {
+        let sliders = Self::of(random);
+        let (law, plate) = (sliders.law(), sliders.plate);
+        let [_, a, _, d_c, _] = sliders.numbers;
+        let system = sliders.structure().unwrap();
+        let steady = sliders.load * law.steady(plate) / sliders.own;
+        let phi = law.memory_at(plate) + random.uniform(-1.5, 1.5);
+        let apart: Vec<f64> = (0..Self::MASSES)
+            .map(|_| random.uniform(-0.1, 0.1))
+            .collect();
         let start = |by: f64| {
-            State::new(&[0.98 * steady, steady], &[0.0; 2]).with_memory(&[phi[0] + by, phi[1]])
+            let displacements: Vec<f64> = apart.iter().map(|x| (1.0 - 0.2 * x) * steady).collect();
+            let mut memory: Vec<f64> = apart.iter().map(|x| phi + x).collect();
+            memory[0] += by;
+            State::new(&displacements, &[0.0].repeat(Self::MASSES)).with_memory(&memory)
         };
         let unit = d_c / plate;
         let times: Vec<f64> = (1..=8).map(|k| 6.0 * unit * f64::from(k)).collect();
-        let about = format!("{number}: {law:?} {load} {mass} {damping} {own} {between} {plate}");
+        let about = format!(
+            "{number}: {} masses, {law:?}, {}",
+            Self::MASSES,
+            sliders.load
+        );
         let run = |by: f64| system.simulate(start(by), times[7]).expect(&about);
         let (motion, nearby) = (run(0.0), run(1e-7));
         // The witness begins on the manifold.
         let from = 1e-3 * unit;
-        let six = |motion: &Trajectory<State>, time: f64| -> Six {
-            let state = motion.state_at(time).unwrap();
-            let (q, phi) = (&state.displacements, &state.memory);
-            let x = [0, 1].map(|c| motion.sliding_velocity(c, time).abs().ln());
-            [q[0], q[1], x[0], x[1], phi[0], phi[1]]
-        };
-        let (mut y, mut now, mut h) = (six(&motion, from), from, 1e-6 * unit);
-        for &time in &times {
+        let (mut y, mut now, mut h) = (Self::seen(&motion, from), from, 1e-6 * unit);
+        let mut farthest = 0.0_f64;
+        for time in times {
             sliders.advance(&mut y, time - now, &mut h);
             now = time;
-            let (found, beside) = (six(&motion, time), six(&nearby, time));
-            for n in 0..6 {
-                let size = if n < 2 { load * a / own } else { 1.0 };
+            let (found, beside) = (Self::seen(&motion, time), Self::seen(&nearby, time));
+            for n in 0..N {
+                let is_displacement = n < Self::MASSES;
+                let size = if is_displacement {
+                    sliders.load * a / sliders.own
+                } else {
+                    1.0
+                };
                 let spread = (beside[n] - found[n]).abs() / 1e-7;
                 let allowed = 1e-10 * size + 1e-11 * spread;
                 worst.meet_within(allowed, &about, found[n], y[n]);
             }
-            most = most.max((found[2] - plate.ln()).abs());
+            farthest = farthest.max((found[Self::MASSES] - plate.ln()).abs());
         }
+        farthest
+    }
+}
+
+/// One to three sliders of both laws, of stable and of seismic sliding, over several decades of
+/// their speeds, beside an implicit method in the logarithm of the speed.
+#[test]
+fn random_sliders_move_as_by_an_implicit_method() {
+    let mut random = Random::new(81);
+    let (mut worst, mut farthest) = (Worst::default(), 0.0_f64);
+    for number in 0..count(2, 60) {
+        let moved = [
+            Sliders::<3>::compare(&mut random, number, &mut worst),
+            Sliders::<6>::compare(&mut random, number, &mut worst),
+            Sliders::<9>::compare(&mut random, number, &mut worst),
+        ];
+        farthest = moved.into_iter().fold(farthest, f64::max);
     }
     worst.assert("Radau", 1.0);
-    assert!(most > 3.0, "{most}");
+    assert!(farthest > 3.0, "{farthest}");
 }
