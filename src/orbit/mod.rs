@@ -10,6 +10,7 @@
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `phase.rs` | steps with the same constant coefficients, which one matrix exponential carries |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
+// | `along.rs` | perturbations along an autonomous motion that creeps, kept apart from all others |
 // | `map.rs`, `map/run.rs` | the period map with its derivative, the monodromy matrix; runs that compute it |
 // | `passage.rs` | motions over a duration without derivatives |
 // | `course.rs` | the motion of a result, computed again when it is asked for |
@@ -198,6 +199,7 @@
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.
 
+mod along;
 mod approach;
 mod attractor;
 mod branch;

@@ -2,7 +2,7 @@
 //! over many decades of the sliding speed, and the branch that begins at the Hopf point.
 
 use serde_json::Value;
-use stick_slip::orbit::{BranchEnd, Orbit, Period, follow, section_through, shoot};
+use stick_slip::orbit::{BranchEnd, Orbit, Passage, Period, follow, section_through, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Error, Integrator, RateState, Structure};
 
@@ -179,6 +179,55 @@ fn seismic_cycles_close_and_have_the_multipliers_of_differences() {
         );
         assert!((a * d - b * c - first.re).abs() < 1e-4, "{id}: {first}");
         assert!(first.im == 0.0 && stiff.norm() < 1e-15, "{id}: {stiff}");
+    }
+}
+
+/// Perturbations along the motion grow by 4e8 in a quake, and hide no other. On the line on which
+/// the fault becomes slower than the plate, on the slow manifold, a cycle is a fixed point of a map
+/// of φ to φ: its derivative, by motions alone, is the multiplier.
+#[test]
+fn multipliers_of_quakes_are_those_of_return_maps() {
+    for (id, duration, guess) in [("rs_01", 1.5e9, 5.8e8), ("rs_02", 1.3e9, 5.29e8)] {
+        let (system, start) = seismic(id, duration);
+        let orbit = shoot(&system, &start, Period::Free(guess)).unwrap();
+        let contact = &system.contacts()[0];
+        let (velocity, load) = (
+            contact.belt_velocity().value(0.0),
+            contact.load().value(0.0),
+        );
+        let slower = |start: &State| {
+            let mut passages = section_through(&system, start, 0, velocity).map(Result::unwrap);
+            // A start that is nearly on the manifold may pass the line at once.
+            let later = |passage: &Passage<State>| passage.time > 0.1 * orbit.period();
+            passages
+                .find(|passage| !passage.rises && later(passage))
+                .unwrap()
+                .state
+        };
+        let here = slower(&orbit.state());
+        let stiffness = 1.5625e7;
+        let next = |change: f64| {
+            // N b = 7.5e5: the balance of forces at this speed.
+            let q = here.displacements[0] + 0.015 * load * change / stiffness;
+            let state = State::new(&[q], &[0.0]).with_memory(&[here.memory[0] + change]);
+            slower(&state.with_sliding(0, -velocity)).memory[0]
+        };
+        assert!((next(0.0) - here.memory[0]).abs() < 1e-11);
+        let step = 0.05;
+        let weights = [0.75, -0.15, 1.0 / 60.0];
+        let differences = weights.iter().enumerate().map(|(k, weight)| {
+            let change = step * (k as f64 + 1.0);
+            weight * (next(change) - next(-change)) / step
+        });
+        let expected: f64 = differences.sum();
+        let [multiplier, stiff] = orbit.multipliers() else {
+            panic!("{id}: {:?}", orbit.multipliers());
+        };
+        println!("{id}: {multiplier} {expected} {stiff}");
+        assert!(
+            (multiplier - expected).norm() < 1e-9,
+            "{id}: {multiplier} {expected}"
+        );
     }
 }
 

@@ -32,9 +32,10 @@ use crate::scalar::Scalar;
 /// the damping η of radiated waves and a stiffness k. Let the surface move with the plate, as in
 /// the example below, so that no number grows with time.
 ///
-/// [`shoot`](crate::orbit::shoot) finds cycles best from a state between two earthquakes.
-/// Perturbations along the motion grow by the ratio of the speeds in an earthquake, and with them
-/// the errors of the multipliers: 1e-5 where the speed rises from 1e-9 to 0.4 m/s.
+/// [`shoot`](crate::orbit::shoot) finds cycles best from a state between two earthquakes, such as
+/// that in which [`section_through`](crate::orbit::section_through) sees the contact become slow.
+/// Its multipliers have an error of some 1e-12. The eigenvalues of steady sliding have that of
+/// rounding beside the rate N a/(m V).
 ///
 /// Sources: J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (aging); A. Ruina, *J. Geophys.
 /// Res.* 88 (1983) 10359-10370 (slip); J. R. Rice, N. Lapusta, K. Ranjith, *J. Mech. Phys. Solids*

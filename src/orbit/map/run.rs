@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::super::along::{Along, Derivative};
 use super::super::form::GeneralForm;
 use super::super::hold::Hold;
 use super::super::passage::modes_after;
@@ -50,7 +51,11 @@ pub(in crate::orbit) fn held_period_map(
     let (mut is_first, mut first_flow) = (true, None);
     // The derivative from the start to the cut, after which `flow.tangents` begin again, and the
     // flow at the cut.
-    let mut head = (DMatrix::identity(order, order), None);
+    let mut head = (Derivative::identity(order), None);
+    let mut along = Along::new(order);
+    // Speeds of contacts that stick do not span many decades.
+    let creeps = form.model.creeping.len() == form.contacts();
+    let is_kept_apart = creeps && form.is_free() && holds.is_empty();
     let mut held = Vec::new();
     let mut dead = 0;
     while steps.last().is_none_or(|step| step.end_time() < end_time) {
@@ -64,6 +69,9 @@ pub(in crate::orbit) fn held_period_map(
             // rate D. At the end it has settled, and a closed motion has the same flow there.
             let is_settled = !is_first || form.model.creeping.is_empty();
             let rates = is_settled.then(|| flow_of(&step, n));
+            if let Some(rates) = rates.as_ref().filter(|_| is_kept_apart) {
+                along.take(&mut flow.tangents, rates, step.state());
+            }
             let rows = dead_rows(&flow.tangents);
             let sticking = held_by(form, step.modes());
             let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.is_held(row);
@@ -73,8 +81,8 @@ pub(in crate::orbit) fn held_period_map(
             if is_first || now > dead {
                 let alive = rows.iter().map(|dead| f64::from(u8::from(!dead)));
                 let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
-                let since = flow.replace(alive);
-                head = (since * head.0, rates.clone());
+                let since = along.end(flow.replace(alive));
+                head = (head.0.then(&since), rates.clone());
                 (dead, held) = (now, sticking);
             }
             if is_first {
@@ -89,8 +97,11 @@ pub(in crate::orbit) fn held_period_map(
         return Err(Error::InvalidDuration { value: duration });
     };
     let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
-    let mut monodromy = &flow.tangents * &head.0;
-    let mut cycle = head.0 * &flow.tangents;
+    let (head, cut_flow) = head;
+    let tail = along.end(flow.tangents.clone());
+    let mut monodromy = head.then(&tail).with_flow(&last_flow);
+    // Without what is along the flow at the cut, which no multiplier needs.
+    let mut cycle = head.across * tail.across;
     let mut depends = flow.depends.clone();
     // The clock of a contact that never slips runs on, and only its limit follows.
     for c in (0..form.contacts()).filter(|&c| form.holds(c) && never_slips(&steps)(c)) {
@@ -107,7 +118,7 @@ pub(in crate::orbit) fn held_period_map(
     let [from, to] = [start, &end].map(|state| vector(state, order));
     let mut moved = &to - &from;
     let settled = |flow: Option<DVector<f64>>| flow.unwrap_or_else(|| last_flow.clone());
-    let mut cut_flow = settled(head.1);
+    let mut cut_flow = settled(cut_flow);
     let mut flows = [settled(first_flow), last_flow];
     for translation in &translations {
         translation.remove_from(moved.as_mut_slice());
