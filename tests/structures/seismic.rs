@@ -440,3 +440,57 @@ fn random_sliders_move_as_by_an_implicit_method() {
     worst.assert("Radau", 1.0);
     assert!(farthest > 3.0, "{farthest}");
 }
+
+/// A million years of a fault in constant memory (2000 in a usual run). Once the motion has become
+/// periodic, each cycle takes as long as the one before.
+#[test]
+fn cycles_go_on_for_a_million_years() {
+    const YEAR: f64 = 365.25 * 86400.0;
+    let cases = cases(CASES);
+    let case = cases.iter().find(|case| text(&case["id"]) == "rs_01");
+    let (system, plate) = slider(case.unwrap(), f64::NAN);
+    let system = system.unwrap();
+    let end = count(2_000, 1_000_000) as f64 * YEAR;
+    let (mut begins, mut last, mut steps) = (Vec::<f64>::new(), None::<Step>, 0_usize);
+    for step in Integrator::new()
+        .flow(&system, start(case.unwrap()))
+        .unwrap()
+    {
+        let step = step.unwrap();
+        steps += 1;
+        let speed = |state: &State| state.sliding()[0].1.abs();
+        // The first passage upward of a quake: V is least at its start.
+        let [from, to] = [step.state(), &step.end_state()].map(|state| speed(state) > 1e3 * plate);
+        if !from && to {
+            begins.push(
+                step.first_zero(|state| (speed(state) / plate).ln() - 1e3_f64.ln())
+                    .unwrap(),
+            );
+        }
+        let is_over = step.end_time() > end;
+        last = Some(step);
+        if is_over {
+            break;
+        }
+    }
+    let last = last.unwrap();
+    let periods: Vec<f64> = begins.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // One multiplier is 0.04.
+    let settled = &periods[14..];
+    assert!(
+        settled.len() as f64 > end / (22.0 * YEAR),
+        "{}",
+        settled.len()
+    );
+    let mean = settled.iter().sum::<f64>() / settled.len() as f64;
+    for period in settled {
+        // Rounding of times, and of the speed.
+        let allowed = 2e-13 * mean + 2.0 * f64::EPSILON * last.end_time();
+        assert!((period - mean).abs() < allowed, "{period} {mean}");
+    }
+    assert!(steps < 200 * begins.len() + 400, "{steps}");
+    let [q] = last.end_state().displacements[..] else {
+        unreachable!("one slider");
+    };
+    assert!((0.0..3.0).contains(&q), "{q}");
+}
