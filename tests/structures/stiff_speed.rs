@@ -35,6 +35,9 @@ fn steep(random: &mut Random, i: usize) -> (AnyLaw, f64) {
     (law, random.logarithmic(1e-3, 1.0))
 }
 
+/// The error of a time that is accepted, relative from time 1 on.
+const TIMES: f64 = 1e-12;
+
 /// At most so many more steps than on a belt.
 fn assert_as_few(found: usize, expected: usize, about: &str) {
     assert!(
@@ -47,7 +50,7 @@ fn assert_as_few(found: usize, expected: usize, about: &str) {
 #[test]
 fn one_mass_moves_as_on_its_belt() {
     let (mut worst, mut random) = (Worst::default(), Random::new(54));
-    let all = count(60, 200);
+    let all = count(60, 2000);
     let [mut one, mut other] = [0, 0];
     for i in 0..all {
         let (law, velocity) = steep(&mut random, i);
@@ -64,15 +67,20 @@ fn one_mass_moves_as_on_its_belt() {
         assert_eq!(expected.events().len(), found.events().len(), "{about}");
         for (a, b) in std::iter::zip(expected.events(), found.events()) {
             assert_eq!((a.kind, Some(0)), (b.kind, b.contact()), "{about}");
-            worst.meet_within(1e-12, &about, b.time, a.time);
+            worst.meet_within(TIMES, &about, b.time, a.time);
         }
         for (time, a) in expected.sample(41) {
             let b = found.state_at(time).unwrap();
             let (u, slip) = (b.displacements[0], b.velocities[0] - velocity);
             worst.meet_within(1e-13, &about, u, a.displacement);
-            // A hundredth of the belt's velocity, and its rounding.
+            // A hundredth of the belt's velocity, and its rounding; and what the speed changes by
+            // within the error of a time. Before a stick it may fall by a thousand times its size
+            // within one unit of time, so that an ulp of the time is more than its digits.
             let size = (a.velocity - velocity).abs().max(1e-2 * velocity);
-            worst.meet_within(1e-11, &about, slip / size, (a.velocity - velocity) / size);
+            let earlier = (time - TIMES * time.max(1.0)).max(0.0);
+            let change = expected.state_at(earlier).unwrap().velocity - a.velocity;
+            let allowed = 1e-11 * size + change.abs();
+            worst.meet_within(allowed, &about, slip, a.velocity - velocity);
         }
         (one, other) = (one + expected.steps().len(), other + found.steps().len());
         assert_as_few(found.steps().len(), expected.steps().len(), &about);
@@ -96,7 +104,7 @@ fn ends<'a>(
 #[test]
 fn several_contacts_move_as_one() {
     let (mut worst, mut random) = (Worst::default(), Random::new(3));
-    for i in 0..count(30, 200) {
+    for i in 0..count(30, 500) {
         let (law, w) = steep(&mut random, i);
         let contact =
             |place: usize, load: f64| Contact::new(place, law.clone(), load).unwrap().on_belt(w);
@@ -127,7 +135,11 @@ fn several_contacts_move_as_one() {
                 .simulate(State::new(&[q; 3], &[v; 3]), 20.0)
                 .unwrap(),
         ];
-        for found in &found {
+        // The three can vibrate against each other, at up to √3.2 radians per unit of time. A
+        // contact that settles less than 8 times as fast is not stiff beside that, and explicit
+        // steps of 10/D are longer than 10/(8·√3.2).
+        let faster = [0, 29];
+        for (found, faster) in std::iter::zip(&found, faster) {
             let about = format!("{i}: {law:?} on {w}");
             for (a, b) in ends(&expected, found) {
                 for q in &b.displacements {
@@ -137,7 +149,7 @@ fn several_contacts_move_as_one() {
                     worst.meet_within(1e-12, &about, *v, a.velocities[0]);
                 }
             }
-            assert_as_few(found.steps().len(), expected.steps().len(), &about);
+            assert_as_few(found.steps().len(), expected.steps().len() + faster, &about);
         }
     }
     worst.assert("one and several", 1.0);
@@ -148,7 +160,7 @@ fn several_contacts_move_as_one() {
 #[test]
 fn a_contact_between_masses_leaves_their_common_motion() {
     let (mut worst, mut random) = (Worst::default(), Random::new(8));
-    for i in 0..count(30, 200) {
+    for i in 0..count(30, 500) {
         let (law, _) = steep(&mut random, i);
         let load = random.uniform(0.3, 2.0);
         let springs = |structure: Structure, n: usize| {
