@@ -235,7 +235,9 @@ pub enum BranchEnd {
         /// The direction of the slip beyond the end.
         direction: Direction,
     },
-    /// The branch is a closed curve: it returned to its start.
+    /// The branch is a closed curve: it returned to its start. Or it meets itself: beyond its last
+    /// motion lie motions of the branch that were found before, such as the symmetric ones if it
+    /// left them at a change of the events, and comes back there as their mirror images.
     Closed,
     /// A limit of work was reached: 2048 points, 10⁷ integration steps or 50 000 motions tried, in
     /// one direction. [`Search`](super::Search) sets other limits of points and steps.

@@ -11,7 +11,7 @@ use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
 use super::periodic_orbit::{Closed, Orbit};
 use super::phase_condition::FrozenStart;
-use super::walk::{Change, Walk, natural_scale};
+use super::walk::{Change, Left, Walk, natural_scale};
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
@@ -71,6 +71,9 @@ use crate::state::structure::State;
 /// neighbouring motion. Otherwise the branch ends with [`BranchEnd::Discontinuity`]. A contact that
 /// does not slip keeps its position along the branch. If at some parameter it reaches its limit
 /// force, and beyond slips in one direction only, the branch ends with [`BranchEnd::OneWaySlip`].
+///
+/// A branch does not run over its own motions again: where it meets itself, it ends with
+/// [`BranchEnd::Closed`].
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions of
@@ -247,7 +250,7 @@ pub(super) fn anchor(
 fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
     let first = first(curve, guess)?;
     let first_scale = natural_scale(curve, &first);
-    let walk = |direction: f64| -> Result<_, Error> {
+    let walk = |direction: f64, other_half: &[Left]| -> Result<_, Error> {
         curve.tried.set(0);
         curve.steps.set(0);
         let mut walk = Walk {
@@ -256,19 +259,19 @@ fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
             points: Vec::new(),
             before: None,
             found: Vec::new(),
+            other_half,
+            is_ring: false,
         };
         let mut first = first.clone();
         first.tangent *= direction;
         let end = walk.run(&first)?;
-        let points = walk.points.into_iter();
-        let points: Vec<_> = points.map(|left| (left.parameter, left.closed)).collect();
-        Ok((points, walk.found, end))
+        Ok((walk.points, walk.found, end, walk.is_ring))
     };
-    let (up, found_up, end_up) = walk(1.0)?;
-    let (mut points, mut changes, end_down) = if end_up == BranchEnd::Closed {
-        (Vec::new(), Vec::new(), BranchEnd::Closed)
+    let (up, found_up, end_up, is_ring) = walk(1.0, &[])?;
+    let (mut points, mut changes, end_down, _) = if is_ring {
+        (Vec::new(), Vec::new(), BranchEnd::Closed, true)
     } else {
-        walk(-1.0)?
+        walk(-1.0, &up)?
     };
     points.reverse();
     changes.reverse();
@@ -276,8 +279,10 @@ fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
     for change in &mut changes {
         change.0 = below.saturating_sub(change.0 + 1);
     }
-    points.push((curve.parameter(&first.y), curve.closed(&first)?));
+    points.push(Left::new(curve, &first)?);
     points.extend(up);
+    let points = points.into_iter();
+    let points = points.map(|left| (left.parameter, left.closed)).collect();
     let found_up = found_up.into_iter();
     changes.extend(
         found_up.map(|(before, kind, parameter, orbit)| (below + before, kind, parameter, orbit)),

@@ -26,6 +26,10 @@ pub(super) struct Walk<'v, 'f> {
     /// the curve may have a corner between the two.
     pub(super) before: Option<Solved>,
     pub(super) found: Vec<Change>,
+    /// The points of the other half, if it is known.
+    pub(super) other_half: &'v [Left],
+    /// True if the curve returned to its first motion: this half is the whole of it.
+    pub(super) is_ring: bool,
 }
 
 /// A bifurcation: the number of points before it, except the first, its kind, its parameter and its
@@ -91,13 +95,21 @@ const HOPF_ERROR: f64 = 1e-7;
 const GRAZING_GROWTH: f64 = 1e3;
 const GRAZING_RISE: f64 = 0.3;
 
+/// A curve is normal to the parameter if the parameter's part in its tangent is at most this, and
+/// the distance from a grazing point that may be the reason.
+const UPRIGHT: f64 = 1e-3;
+
 /// A tangential release is extrapolated from so many motions at most; the derivative of each is at
 /// least this factor smaller than that of the next.
 const RELEASE_MOTIONS: usize = 5;
 const APART: f64 = 1.5;
 
-/// Motions at one parameter are the same if they are closer than this, in units of the scales.
+/// Motions on one plane are the same if they are closer than this, in units of the scales.
 const SAME: f64 = 1e-6;
+
+/// Largest distance of a motion from the chord between its neighbours on a curve, as a part of the
+/// chord: tangents at neighbouring points enclose 14 degrees at most.
+const BESIDE_CHORD: f64 = 0.1;
 
 /// Place of the last motion before a jump, as a part of the distance of the jump.
 const BESIDE: f64 = 0.99;
@@ -138,6 +150,7 @@ impl Walk<'_, '_> {
         let mut scale = self.first_scale.clone();
         let mut signs: Signs = [0.0; 4];
         let mut step = 0.25 * LONGEST;
+        let mut is_known = false;
         for _ in 0..self.curve.most.1 {
             if self.curve.is_at_limit() {
                 break;
@@ -167,6 +180,13 @@ impl Walk<'_, '_> {
             step = next_step;
             let second = second.get_or_insert_with(|| place.solved.clone());
             if self.came_back([first, second], &base, &place.solved) {
+                self.is_ring = true;
+                return Ok(BranchEnd::Closed);
+            }
+            let was_known = std::mem::replace(&mut is_known, self.knows(&place.solved, &scale));
+            if is_known && was_known {
+                // The curve runs into itself.
+                self.points.pop();
                 return Ok(BranchEnd::Closed);
             }
             self.leave(&place.solved)?;
@@ -283,7 +303,7 @@ impl Walk<'_, '_> {
             end = Some(Outcome::End(jump.end));
         }
         if let Some((place, found)) = view.corner()
-            && !self.was_left(view, &place)
+            && !self.knows(&place.solved, view.scale)
         {
             *signs = [0.0; 4];
             let length = view.apart(here, &place);
@@ -298,33 +318,46 @@ impl Walk<'_, '_> {
         (end.unwrap_or(lost), shortest)
     }
 
-    /// Returns true if a motion behind a corner lies on the curve before it. There the events may
-    /// have changed, so that they do not tell the two pieces apart.
-    fn was_left(&self, view: &LocalCurve<'_, '_>, place: &CurvePoint) -> bool {
-        let (curve, motion) = (self.curve, &place.solved);
+    /// Returns true if a motion lies on a piece of the curve that was followed before, in either
+    /// half: between two of its points, on one plane across their chord with it. The events of one
+    /// of them are the same; the other may lie beyond a change.
+    fn knows(&self, motion: &Solved, scale: &DVector<f64>) -> bool {
+        let curve = self.curve;
         let parameter = curve.parameter(&motion.y);
-        let before = self.points.windows(2).rev().find_map(|pair| {
+        let pairs = self.points.windows(2).chain(self.other_half.windows(2));
+        let mut pairs = pairs.filter(|pair| {
             let [low, high] = [&pair[0], &pair[1]].map(|point| point.parameter);
-            let part = (parameter - low) / (high - low);
+            let is_between = low.min(high) <= parameter && parameter <= low.max(high);
             let mut sequences = pair.iter().map(|point| &point.sequence);
-            let is_like = sequences.any(|sequence| sequence.is_like(&motion.sequence));
-            ((0.0..=1.0).contains(&part) && is_like).then_some((pair, part))
+            is_between && sequences.any(|sequence| sequence.is_like(&motion.sequence))
         });
-        let Some((pair, part)) = before else {
-            return false;
-        };
-        let seen = |point: &Left| {
-            let distance = |y: &DVector<f64>| (y - &motion.y).component_div(view.scale).amax();
-            let point = curve.guess_at(point.y.clone(), point.begin.clone()).ok()?;
-            let seen = curve.seen(&point, &motion.begin).into_iter();
-            seen.min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        };
-        let (Some(low), Some(high)) = (seen(&pair[0]), seen(&pair[1])) else {
-            return false;
-        };
-        let guess = low * (1.0 - part) + high * part;
-        let before = view.with_parameter(parameter, &guess, motion);
-        before.is_ok_and(|before| view.apart(&before, place) <= SAME)
+        pairs.any(|pair| {
+            // Begun in another of its periods a motion is another point of the curve.
+            let begun = |point: &Left| {
+                let point = curve.guess_at(point.y.clone(), point.begin.clone()).ok()?;
+                let mut seen = curve.seen(&point, &motion.begin).into_iter();
+                if curve.is_free() {
+                    seen.next_back()
+                } else {
+                    seen.next()
+                }
+            };
+            let (Some(low), Some(high)) = (begun(&pair[0]), begun(&pair[1])) else {
+                return false;
+            };
+            let chord = (&high - &low).component_div(scale);
+            let there = (&motion.y - &low).component_div(scale);
+            let part = chord.dot(&there) / chord.norm_squared();
+            let beside = (there - &chord * part).norm();
+            if !((0.0..=1.0).contains(&part) && beside <= BESIDE_CHORD * chord.norm()) {
+                return false;
+            }
+            let along = chord.normalize();
+            let plane = Plane::beyond(&motion.y, 0.0, along.clone(), &along, scale);
+            let guess = low * (1.0 - part) + high * part;
+            let found = curve.solve(&guess, motion, &plane);
+            found.is_ok_and(|found| (found.y - &motion.y).component_div(scale).amax() <= SAME)
+        })
     }
 
     /// The guess for a step: by the two-step formula of Adams and Bashforth from the tangents at
@@ -497,12 +530,19 @@ impl Walk<'_, '_> {
     /// The grazing point at which the curve ends behind a point, if there is one.
     ///
     /// As an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
-    /// the rate of the relative velocity at arrival.
+    /// the rate of the relative velocity at arrival. It does not grow where nothing depends on the
+    /// time of the arrival but a memory of it. This varies like the square root of the distance:
+    /// the curve becomes normal to the parameter.
     fn grazing(&self, base: &Solved) -> Option<Outcome> {
-        if !self.magnifies_more(base) {
+        let is_upright = base.tangent[self.curve.unknowns() - 1].abs() <= UPRIGHT;
+        if !(is_upright || self.magnifies_more(base)) {
             return None;
         }
         let (parameter, trial, begin) = tangential_end(self.curve, base)?;
+        let apart = (parameter - self.curve.parameter(&base.y)).abs();
+        if is_upright && apart > UPRIGHT * self.curve.width() {
+            return None;
+        }
         let mut solved = base.clone();
         (solved.trial, solved.begin) = (trial, begin);
         let last = self.curve.unknowns() - 1;

@@ -43,14 +43,21 @@ fn numbers(point: &BranchPoint<State>, masses: usize) -> Vec<f64> {
     numbers
 }
 
+/// A number that varies along a branch by less than this part of the largest is constant, but for
+/// rounding.
+const STILL: f64 = 1e-9;
+
 /// The number of motions in a row that lie on a part of the branch that was left before.
 fn retraced(branch: &Branch<State>, masses: usize) -> usize {
     let points = branch.points.iter();
     let mut points: Vec<_> = points.map(|point| numbers(point, masses)).collect();
+    let sizes = points.iter().flatten().map(|x| x.abs());
+    let largest = sizes.fold(0.0, f64::max);
     for k in 0..points.first().map_or(0, Vec::len) {
         let of = |pick: fn(f64, f64) -> f64| points.iter().map(|p| p[k]).reduce(pick).unwrap();
         let width = of(f64::max) - of(f64::min);
-        let unit = if width > 0.0 { width } else { 1.0 };
+        // The velocity of a mass that a contact holds has rounding errors only.
+        let unit = if width > STILL * largest { width } else { 1.0 };
         points.iter_mut().for_each(|point| point[k] /= unit);
     }
     let apart =
@@ -180,8 +187,8 @@ fn is_born_within(branch: &Branch<State>) -> bool {
 #[test]
 fn random_branches_visit_no_motion_twice() {
     let mut random = Random::new(20_261_127);
-    let mut followed = 0;
-    for case in 0..count(12, 100) {
+    let [mut followed, mut lost] = [0; 2];
+    for case in 0..count(12, 330) {
         let family = Family::random(&mut random);
         let Some(orbit) = family.motion() else {
             continue;
@@ -193,9 +200,14 @@ fn random_branches_visit_no_motion_twice() {
             "{case}: {:?}",
             branch.bifurcations
         );
+        let ends = branch.ends.iter();
+        lost += ends
+            .filter(|end| matches!(end, BranchEnd::Lost { .. }))
+            .count();
         followed += 1;
     }
-    assert!(followed >= count(7, 60), "{followed}");
+    assert!(150 * lost <= followed, "{lost} of {followed} lost");
+    assert!(followed >= count(7, 200), "{followed}");
 }
 
 /// A contact of the string comes to stick where the displacement at the contact turns most sharply.
