@@ -4,7 +4,7 @@ use stick_slip::orbit::{Orbit, Period, Search, lyapunov, section, settle, shoot}
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, MassOnBelt, Polynomial, Stribeck, Structure};
 
-use crate::common::{apart, at_least, message, one_mass, oscillator, paper, refused};
+use crate::common::{apart, at_least, count, message, one_mass, oscillator, paper, refused};
 
 fn block(force: Drive, belt: Drive) -> Structure {
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
@@ -327,7 +327,8 @@ fn what_shrinks_to_steady_sliding_is_no_periodic_motion() {
     let [&slowest] = at_least(&steady.eigenvalues);
     assert!((-0.003..-0.002).contains(&slowest.re), "{slowest}");
     let period = std::f64::consts::TAU / slowest.im.abs();
-    for push in [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+    let pushes = [1e-6, 1e-9, 1e-3, 1e-8, 1e-7, 1e-5, 1e-4];
+    for push in pushes.into_iter().take(count(2, pushes.len())) {
         let mut start = State::new(&steady.displacements, &[0.0; 12]);
         start.velocities[0] = push;
         for transient in [0.0, 20.0, 200.0] {

@@ -150,6 +150,7 @@ fn ranges_do_not_depend_on_units() {
 /// The branch of a long string shrinks beside a static twist four times its extent to the Hopf
 /// point; its fold and the grazing behind it lie between two points, and the motions between these.
 #[test]
+#[ignore = "a full count: a long string; a test below has a shorter one"]
 fn a_fold_and_a_grazing_side_by_side_bound_a_range() {
     use AttractorKind::{PureSlip, SteadySliding, StickSlip};
     let found = vibration_ranges(|load| drill_string(12, load), 2.0..30.0).unwrap();
