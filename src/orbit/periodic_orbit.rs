@@ -200,9 +200,9 @@ impl<S: SystemState> Orbit<S> {
         self.state.clone()
     }
 
-    /// The motion over one period, from time 0. For a [`Structure`](crate::Structure) it is computed
-    /// when it is asked for first, in the time of one motion: the power series of its steps would
-    /// fill far more memory than all points of a branch.
+    /// The motion over one period, from time 0. For a [`Structure`](crate::Structure) it is
+    /// computed when it is asked for first, in the time of one motion: the power series of its
+    /// steps would fill far more memory than the orbit.
     pub fn trajectory(&self) -> &Trajectory<S> {
         self.motion.trajectory()
     }
