@@ -60,7 +60,7 @@ pub(super) fn collect(
     steps: &mut Vec<Step>,
     count: &dyn Fn(&Step) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    while let Some(step) = flow.next() {
+    for step in flow {
         let step = step?;
         count(&step)?;
         let is_last = step.end_time() >= end_time;
