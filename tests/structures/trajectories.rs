@@ -98,7 +98,8 @@ fn magnification(system: &Structure, start: &State, end: f64) -> impl Fn(f64) ->
         }
     }
     move |time| {
-        let before = grown.iter().filter(|(at, _)| *at <= time);
+        // An event of the motion may come a rounding error after that of the reference.
+        let before = grown.iter().filter(|(at, _)| *at <= time * (1.0 + 1e-9));
         before.fold(1.0, |largest, (_, factor)| factor.max(largest))
     }
 }

@@ -8,11 +8,13 @@ use super::{
 };
 use crate::clock::Clock;
 use crate::drive::Drive;
+use crate::force::{Backlash, ForceField, Pendulum, PolynomialSpring, VanDerPol};
 use crate::friction::memory::{Dahl, Dwell, LuGre};
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
+use crate::scalar::Scalar;
 use crate::series::PowerSeries;
 use crate::state::structure::State;
-use crate::structure::{Contact, Structure};
+use crate::structure::{Contact, ForceElement, Stop, Structure};
 
 fn law(number: usize) -> AnyLaw {
     match number % 6 {
@@ -100,6 +102,19 @@ fn assert_agree(h: f64, found: &Series, expected: &Series) {
         }
         for j in 0..found.contacts[c].memories.len() {
             assert_close(&|of, k| of.contacts[c].memories[j][k], ALL + 1, "z");
+        }
+    }
+    for e in 0..found.elements.len() {
+        for i in 0..found.elements[e].positions.len() {
+            assert_close(&|of, k| of.elements[e].positions[i][k], ALL, "x");
+            assert_close(
+                &|of, k| of.elements[e].velocities[i][k],
+                ALL,
+                "y of an element",
+            );
+            if found.elements[e].acts {
+                assert_close(&|of, k| of.elements[e].forces[i][k], ALL, "F");
+            }
         }
     }
 }
@@ -330,4 +345,56 @@ fn elastic_contacts_have_the_series_of_the_general_way() {
     }
     println!("{at_rest} {slipping} {yielding} {open}");
     assert!(at_rest > 1000 && slipping > 1000 && yielding > 1000 && open > 100);
+}
+
+/// Forces of the potential x²y²/2, and a damper.
+struct Well;
+
+impl ForceField for Well {
+    type Coordinates<S: Scalar> = [S; 2];
+
+    fn forces<S: Scalar>(&self, [x, y]: [S; 2], [u, _]: [S; 2]) -> [S; 2] {
+        [x * y.square() + u * 0.05, y * x.square()]
+    }
+}
+
+/// Masses on belts with force elements to the ground and between neighbours, along several
+/// directions, and stops that open and close.
+#[test]
+fn force_elements_have_the_series_of_the_general_way() {
+    let [mut pushed, mut closed] = [0; 2];
+    for n in [1, 2, 3, 5, 9] {
+        for with_stops in [false, true] {
+            let (mut structure, start_state) = structure(n, true, |i| i % 2 == 0);
+            for i in 0..n {
+                let near = if i > 0 { i - 1 } else { n - 1 };
+                let element = match i % 5 {
+                    0 => ForceElement::new(i, PolynomialSpring::new(&[0.3, 0.2, 0.5]).unwrap()),
+                    1 => ForceElement::between(i, near, Pendulum::new(0.5, 1.0).unwrap()),
+                    2 => ForceElement::new(i, Backlash::new(1.5, 0.1).unwrap()),
+                    3 => ForceElement::field(&[&[(i, 1.0)], &[(near, 0.7), (i, -0.2)]], Well),
+                    _ => ForceElement::new(i, VanDerPol::new(0.4, 0.3).unwrap()),
+                };
+                structure = structure.with_element(element.unwrap()).unwrap();
+                if with_stops && i % 2 == 0 {
+                    let stop = Stop::above(i, 0.2, 0.0).unwrap();
+                    let stop = stop.with_contact_stiffness(3.0, 0.1).unwrap();
+                    structure = structure.with_stop(stop).unwrap();
+                }
+            }
+            let (model, clock) = (structure.model(), Clock::at(0.0));
+            let (mut engine, _) = Engine::start(model, f64::EPSILON, clock, &start_state).unwrap();
+            for _ in 0..60 {
+                engine.step().unwrap();
+                pushed += usize::from(engine.series.is_pushed());
+                let stops = &engine.series.elements[engine.model.first_stop()..];
+                closed += usize::from(stops.iter().any(|of| of.acts));
+                let mut general = engine.series.clone();
+                expand_generally(&engine.model, &engine.situation, &mut general);
+                assert_agree(0.02, &engine.series, &general);
+            }
+        }
+    }
+    println!("{pushed} {closed}");
+    assert!(pushed > 400 && closed > 30, "{pushed} {closed}");
 }
