@@ -48,8 +48,8 @@ use crate::state::structure::State;
 /// that every autonomous motion has. A test function changes its sign at a bifurcation:
 ///
 /// * fold: dp/ds, or Π(1 − μ_i) where there is no pitchfork;
-/// * pitchfork of a symmetric motion: Π(1 − μ_i), if the map of [`BifurcationKind::Pitchfork`] has
-///   the multiplier −1;
+/// * pitchfork of a symmetric motion: Π(1 − μ_i), if the map of
+///   [`BifurcationKind::Pitchfork`](super::BifurcationKind::Pitchfork) has the multiplier −1;
 /// * flip: Π(1 + μ_i);
 /// * Neimark-Sacker bifurcation, if a complex pair lies on the unit circle: Π(1 − μ_i μ_j) over all
 ///   pairs i < j.
