@@ -429,7 +429,7 @@ impl<const N: usize> Sliders<N> {
 fn random_sliders_move_as_by_an_implicit_method() {
     let mut random = Random::new(81);
     let (mut worst, mut farthest) = (Worst::default(), 0.0_f64);
-    for number in 0..count(2, 60) {
+    for number in 0..count(2, 20) {
         let moved = [
             Sliders::<3>::compare(&mut random, number, &mut worst),
             Sliders::<6>::compare(&mut random, number, &mut worst),
@@ -441,16 +441,16 @@ fn random_sliders_move_as_by_an_implicit_method() {
     assert!(farthest > 3.0, "{farthest}");
 }
 
-/// A million years of a fault in constant memory (2000 in a usual run). Once the motion has become
-/// periodic, each cycle takes as long as the one before.
+/// Years of a fault in constant memory: 2000 in a usual run, 20 000 in a full count, a million with
+/// `FULL=50`. Once the motion has become periodic, each cycle takes as long as the one before.
 #[test]
-fn cycles_go_on_for_a_million_years() {
+fn cycles_go_on_for_ever() {
     const YEAR: f64 = 365.25 * 86400.0;
     let cases = cases(CASES);
     let case = cases.iter().find(|case| text(&case["id"]) == "rs_01");
     let (system, plate) = slider(case.unwrap(), f64::NAN);
     let system = system.unwrap();
-    let end = count(2_000, 1_000_000) as f64 * YEAR;
+    let end = count(2_000, 20_000) as f64 * YEAR;
     let (mut begins, mut last, mut steps) = (Vec::<f64>::new(), None::<Step>, 0_usize);
     for step in Integrator::new()
         .flow(&system, start(case.unwrap()))
