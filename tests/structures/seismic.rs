@@ -429,7 +429,7 @@ impl<const N: usize> Sliders<N> {
 fn random_sliders_move_as_by_an_implicit_method() {
     let mut random = Random::new(81);
     let (mut worst, mut farthest) = (Worst::default(), 0.0_f64);
-    for number in 0..count(2, 20) {
+    for number in 0..count(2, 6) {
         let moved = [
             Sliders::<3>::compare(&mut random, number, &mut worst),
             Sliders::<6>::compare(&mut random, number, &mut worst),
