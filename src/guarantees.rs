@@ -239,7 +239,7 @@
 //!   `structures::seismic::periods_without_inertia_are_the_limit_of_small_masses`,
 //!   `structures::seismic::first_integrals_drift_in_proportion_to_the_mass`,
 //!   `structures::seismic::random_sliders_move_as_by_an_implicit_method`,
-//!   `structures::seismic::cycles_go_on_for_ever`,
+//!   `structures::seismic::cycles_go_on_for_thousands_of_years`,
 //!   `structures::rate_state::velocity_steps_are_those_of_rsfmodel`,
 //!   `orbit::rate_state::sections_have_the_reference_times_and_states`,
 //!   `orbit::rate_state::multipliers_of_quakes_are_those_of_return_maps`,

@@ -28,7 +28,7 @@ impl Course {
         let mut steps = Vec::new();
         let flow = HeldFlow::new(form, Integrator::new(), self.time, &self.start, &self.holds);
         let _ = flow
-            .and_then(|mut flow| collect(&mut flow, self.time + period, &mut steps, &|_| Ok(())));
+            .and_then(|mut flow| collect(&mut flow, (self.time, period), &mut steps, &|_| Ok(())));
         since_zero(steps, period, &self.translation)
     }
 }
@@ -58,7 +58,7 @@ pub(super) fn since_zero(steps: Vec<Step>, period: f64, translation: &[f64]) -> 
 
 /// The motion over one period in the states of its system.
 #[derive(Clone)]
-pub enum Motion<S: SystemState> {
+pub enum KeptMotion<S: SystemState> {
     Known(Trajectory<S>),
     /// Computed when it is asked for first.
     Later(Again<S>, OnceLock<Trajectory<S>>),
@@ -66,7 +66,7 @@ pub enum Motion<S: SystemState> {
 
 type Again<S> = Arc<dyn Fn() -> Trajectory<S> + Send + Sync>;
 
-impl<S: SystemState> Motion<S> {
+impl<S: SystemState> KeptMotion<S> {
     pub(super) fn trajectory(&self) -> &Trajectory<S> {
         match self {
             Self::Known(trajectory) => trajectory,

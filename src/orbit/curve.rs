@@ -174,7 +174,7 @@ impl Curve<'_> {
     pub(super) fn closed(&self, solved: &Solved) -> Result<Closed, Error> {
         let parameter = self.parameter(&solved.y);
         let find = || {
-            let system = (self.family)(parameter)?;
+            let system = self.member(parameter)?;
             Closed::new(&*system, &system.form(), solved.trial.clone(), self.kind)
         };
         find().map_err(|error: Error| error.at("parameter", parameter))

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::course::{Course, Motion};
+use super::course::{Course, KeptMotion};
 use super::form::GeneralForm;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
@@ -37,7 +37,7 @@ pub trait Shown: System {
         course: Course,
         start: &Self::State,
         period: f64,
-    ) -> Result<Motion<Self::State>, Error>;
+    ) -> Result<KeptMotion<Self::State>, Error>;
 }
 
 /// The member of a family at a value of its parameters.
@@ -81,13 +81,13 @@ impl Shown for Structure {
         course: Course,
         _: &structure::State,
         period: f64,
-    ) -> Result<Motion<structure::State>, Error> {
+    ) -> Result<KeptMotion<structure::State>, Error> {
         let structure = self.clone();
         let again = move || {
             let steps = course.steps(&structure.form(), period);
             Trajectory::new(steps, 0.0, period, Ended::Duration)
         };
-        Ok(Motion::Later(Arc::new(again), OnceLock::new()))
+        Ok(KeptMotion::Later(Arc::new(again), OnceLock::new()))
     }
 }
 
@@ -113,7 +113,7 @@ impl<L: FrictionLaw> FamilyMember for MassOnBelt<L> {
 
 impl<L: FrictionLaw> Shown for MassOnBelt<L> {
     /// Kept, because a law may be borrowed.
-    fn motion(&self, _: Course, start: &State, period: f64) -> Result<Motion<State>, Error> {
-        self.simulate(*start, period).map(Motion::Known)
+    fn motion(&self, _: Course, start: &State, period: f64) -> Result<KeptMotion<State>, Error> {
+        self.simulate(*start, period).map(KeptMotion::Known)
     }
 }

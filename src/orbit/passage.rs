@@ -49,17 +49,18 @@ pub(super) fn held_steps(
     let mut flow = HeldFlow::new(form, settings, time, start, holds)?;
     let mut steps = Vec::new();
     let count = |step: &Step| form.count(&|| Reached::new(step.start_time(), step.state().clone()));
-    collect(&mut flow, time + duration, &mut steps, &count)?;
+    collect(&mut flow, (time, duration), &mut steps, &count)?;
     Ok((steps, flow.touches))
 }
 
-/// Collects the steps of a motion up to a time.
+/// Collects the steps of a motion over a duration from a time.
 pub(super) fn collect(
     flow: &mut HeldFlow<'_>,
-    end_time: f64,
+    (time, duration): (f64, f64),
     steps: &mut Vec<Step>,
     count: &dyn Fn(&Step) -> Result<(), Error>,
 ) -> Result<(), Error> {
+    let end_time = time + duration;
     for step in flow {
         let step = step?;
         count(&step)?;
@@ -73,7 +74,7 @@ pub(super) fn collect(
             return Ok(());
         }
     }
-    Err(Error::InvalidDuration { value: end_time })
+    Err(Error::InvalidDuration { value: duration })
 }
 
 /// The events of a motion: element and kind.

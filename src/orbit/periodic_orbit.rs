@@ -6,7 +6,7 @@ use std::fmt;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::course::{Course, Motion};
+use super::course::{Course, KeptMotion};
 use super::family::families;
 use super::form::GeneralForm;
 use super::half_map::HalfMap;
@@ -57,7 +57,7 @@ pub struct Orbit<S: SystemState> {
     /// The multipliers 1 of families that are listed.
     neutral: usize,
     is_symmetric: bool,
-    motion: Motion<S>,
+    motion: KeptMotion<S>,
 }
 
 /// A closed motion as a result, in the general form of its states, without the motion itself.

@@ -444,7 +444,7 @@ fn random_sliders_move_as_by_an_implicit_method() {
 /// Years of a fault in constant memory: 2000 in a usual run, 20 000 in a full count, a million with
 /// `FULL=50`. Once the motion has become periodic, each cycle takes as long as the one before.
 #[test]
-fn cycles_go_on_for_ever() {
+fn cycles_go_on_for_thousands_of_years() {
     const YEAR: f64 = 365.25 * 86400.0;
     let cases = cases(CASES);
     let case = cases.iter().find(|case| text(&case["id"]) == "rs_01");
