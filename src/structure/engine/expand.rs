@@ -8,7 +8,7 @@ use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
 use super::elements::{force_fault, watch};
 use super::fault::LawFault;
-use super::groups::Waves;
+use super::group_series::Waves;
 use super::model::{Model, Target};
 use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};

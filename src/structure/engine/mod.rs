@@ -15,7 +15,7 @@
 //! | `fault.rs` | faults of laws |
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
-//! | `groups.rs` | those of contacts under constant loads, four side by side |
+//! | `groups.rs`, `group_series.rs` | those of simple contacts and of force elements, four side by side: what a step begins with, and order by order |
 //! | `alone.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
 //! | `instant.rs` | forces and accelerations at any time within a step |
@@ -54,6 +54,7 @@ pub(crate) mod factor;
 mod fault;
 pub(crate) mod first_order;
 mod first_orders;
+mod group_series;
 mod groups;
 pub(crate) mod instant;
 pub(super) mod limits;
