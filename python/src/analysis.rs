@@ -8,24 +8,26 @@ use stick_slip::analysis::{
     self, averaging, coulomb, design, drill_string, duffing, dwell, exponential, fast_vibration,
     forced, jenkins, lugre, mode_coupling, polynomial, rate_state,
 };
-use stick_slip::{AnyLaw, Coulomb, Dwell, Exponential, MassOnBelt, Polynomial};
+use stick_slip::{AnyLaw, Coulomb, Dwell, Exponential, MassOnBelt, Polynomial, Scaled};
 
 use crate::belt::PyBelt;
 use crate::contact_law::{AnyContactLaw, AnyRateState, PyContactLaw, PyRateState, with_rate_state};
 use crate::convert::{BeltStart, ComplexNumbers, Numbers, elementwise};
 use crate::error::OrRaise;
-use crate::law::PyLaw;
+use crate::law::{Kind, Plain, PyLaw};
 use crate::motion::criticality_name;
 use crate::record::record;
 use crate::traced::Traced;
 
-/// Runs an expression with a dimensionless system of either kind of law.
+/// Runs an expression with a dimensionless system of any kind of law.
 macro_rules! with_system {
     ($belt:expr, $system:ident => $result:expr) => {{
         let any = $belt.system.any();
         if let Some($system) = any.downcast_ref::<MassOnBelt<AnyLaw>>() {
             Ok($result)
         } else if let Some($system) = any.downcast_ref::<MassOnBelt<Traced>>() {
+            Ok($result)
+        } else if let Some($system) = any.downcast_ref::<MassOnBelt<Scaled<AnyLaw>>>() {
             Ok($result)
         } else {
             Err(PyTypeError::new_err("expected a MassOnBelt"))
@@ -535,7 +537,7 @@ impl DwellOscillator {
 #[pyfunction]
 pub fn mean_coefficient(law: &PyLaw, velocity: f64, amplitude: f64) -> PyResult<f64> {
     match &law.kind {
-        crate::law::Kind::Named(AnyLaw::Coulomb(law)) => {
+        Kind::Plain(Plain::Named(AnyLaw::Coulomb(law))) => {
             Ok(fast_vibration::mean_coefficient(law, velocity, amplitude))
         }
         _ => Err(PyTypeError::new_err(

@@ -95,7 +95,9 @@ pub trait Belt: Send + Sync + 'static {
         range: Range<f64>,
         search: Search<'_>,
     ) -> Result<Vec<f64>, Error>;
-    fn ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error>;
+    fn ranges(&self, range: Range<f64>, search: Search<'_>) -> Result<Vec<VibrationRange>, Error>;
+    /// The belt velocity that searches report as 1.
+    fn velocity_unit(&self) -> f64;
     fn criticality(&self, velocity: f64) -> Criticality;
     fn point(&self, velocity: f64) -> Result<DiagramPoint, Error>;
     fn silencing(&self, of: Silencing) -> Result<f64, Error>;
@@ -171,8 +173,13 @@ impl<L: FrictionLaw + Clone + Send + Sync + 'static> Belt for MassOnBelt<L> {
     ) -> Result<Vec<f64>, Error> {
         border.of(&bifurcation::along_velocities(self, range).with_search(search))
     }
-    fn ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
-        bifurcation::vibration_ranges(self, range)
+    fn ranges(&self, range: Range<f64>, search: Search<'_>) -> Result<Vec<VibrationRange>, Error> {
+        bifurcation::along_velocities(self, range)
+            .with_search(search)
+            .vibration_ranges()
+    }
+    fn velocity_unit(&self) -> f64 {
+        1.0
     }
     fn criticality(&self, velocity: f64) -> Criticality {
         bifurcation::criticality(self, velocity)
@@ -266,8 +273,22 @@ impl<L: FrictionLaw + Clone + Send + Sync + 'static> Belt for PhysicalMassOnBelt
         };
         self.velocities(along, range)
     }
-    fn ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
-        self.vibration_ranges(range)
+    fn ranges(&self, range: Range<f64>, search: Search<'_>) -> Result<Vec<VibrationRange>, Error> {
+        let mut found = Vec::new();
+        let along = |system: &MassOnBelt<Scaled<L>>, range| {
+            let along = bifurcation::along_velocities(system, range).with_search(search);
+            found = along.vibration_ranges()?;
+            let borders = found.iter().map(|range| &range.velocities);
+            Ok(borders.flat_map(|it| [it.start, it.end]).collect())
+        };
+        let borders = self.velocities(along, range)?;
+        for (range, borders) in found.iter_mut().zip(borders.chunks(2)) {
+            range.velocities = borders[0]..borders[1];
+        }
+        Ok(found)
+    }
+    fn velocity_unit(&self) -> f64 {
+        self.scaling().metres_per_second(1.0)
     }
     fn criticality(&self, velocity: f64) -> Criticality {
         self.criticality(velocity)

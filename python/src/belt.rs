@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use stick_slip::{Physical, State};
+use stick_slip::{Coulomb, Physical, Scaling, State};
 
 use crate::any_belt::Belt;
 use crate::convert::{BeltStart, ComplexNumbers, Table, shown};
 use crate::error::OrRaise;
-use crate::law::{LawArgument, PyLaw};
+use crate::law::{LawArgument, PyLaw, scaled};
 use crate::made::{Made, Reduced};
 use crate::motion::{AnyMotion, PyMotion, ended_well};
 use crate::record::record;
@@ -101,7 +101,7 @@ pub struct PyBelt {
 pub struct PyPhysicalBelt {
     pub system: Arc<dyn Belt>,
     law: Py<PyLaw>,
-    physical: Physical,
+    scaling: Scaling,
 }
 
 /// Either class.
@@ -334,37 +334,76 @@ belt_methods!(PyPhysicalBelt {
         let law = law.0.unbind();
         let physical = Physical { mass, stiffness, damping, normal_force, belt_velocity };
         let system = law.get().kind.physical(physical).or_raise()?;
-        Ok(Self { system, law, physical })
+        let scaling = Scaling::new(physical).or_raise()?;
+        Ok(Self { system, law, scaling })
     }
 
     /// The mass, in kg.
     #[getter]
     fn mass(&self) -> f64 {
-        self.physical.mass
+        self.scaling.physical().mass
     }
 
     /// The stiffness of the spring, in N/m.
     #[getter]
     fn stiffness(&self) -> f64 {
-        self.physical.stiffness
+        self.scaling.physical().stiffness
     }
 
     /// The damping constant, in N s/m.
     #[getter]
     fn damping(&self) -> f64 {
-        self.physical.damping
+        self.scaling.physical().damping
     }
 
     /// The normal force, in N.
     #[getter]
     fn normal_force(&self) -> f64 {
-        self.physical.normal_force
+        self.scaling.physical().normal_force
     }
 
     /// The belt velocity, in m/s.
     #[getter]
     fn belt_velocity(&self) -> f64 {
-        self.physical.belt_velocity
+        self.scaling.physical().belt_velocity
+    }
+
+    /// The same system without units, as the formulas of `analysis` take it: displacements in
+    /// units of `length`, times in units of 1/`angular_frequency`, forces in units of the normal
+    /// force.
+    ///
+    /// >>> from stick_slip import Exponential, PhysicalMassOnBelt
+    /// >>> brake = PhysicalMassOnBelt(Exponential(0.4, 0.25, 0.05), mass=2.0, stiffness=800.0,
+    /// ...     normal_force=20.0, belt_velocity=0.03, damping=1.0)
+    /// >>> brake.dimensionless
+    /// MassOnBelt(Scaled(Exponential(0.4, 0.25, 0.05), 0.5), 0.06, damping=0.0125, load=1.0)
+    /// >>> brake.length, brake.angular_frequency
+    /// (0.025, 20.0)
+    #[getter]
+    fn dimensionless(&self, py: Python<'_>) -> PyResult<PyBelt> {
+        let (law, unit) = (self.law.bind(py).clone(), self.scaling.metres_per_second(1.0));
+        let law = scaled(py, LawArgument(law), unit)?;
+        // The numbers do not depend on the law.
+        let any_law = Coulomb::new(0.0, 0.0).or_raise()?;
+        let numbers = self.scaling.system(any_law).or_raise()?;
+        PyBelt::new(
+            LawArgument(Bound::new(py, law)?),
+            numbers.belt_velocity(),
+            numbers.damping(),
+            numbers.load(),
+        )
+    }
+
+    /// The unit of displacement of `dimensionless`, in m: the normal force over the stiffness.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.scaling.length()
+    }
+
+    /// The angular frequency of the mass on its spring, in rad/s.
+    #[getter]
+    fn angular_frequency(&self) -> f64 {
+        self.scaling.angular_frequency()
     }
 
     /// The same system with other numbers, in SI units.
@@ -379,7 +418,7 @@ belt_methods!(PyPhysicalBelt {
         belt_velocity: Option<f64>,
         damping: Option<f64>,
     ) -> PyResult<Self> {
-        let own = self.physical;
+        let own = self.scaling.physical();
         Self::new(
             LawArgument(self.law.bind(py).clone()),
             mass.unwrap_or(own.mass),
@@ -393,7 +432,7 @@ belt_methods!(PyPhysicalBelt {
 
 impl PyPhysicalBelt {
     fn made(&self, py: Python<'_>) -> PyResult<Made> {
-        let own = self.physical;
+        let own = self.scaling.physical();
         Made::by(py, "PhysicalMassOnBelt", (&self.law,))?
             .with(py, "mass", own.mass)?
             .with(py, "stiffness", own.stiffness)?

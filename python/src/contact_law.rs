@@ -9,7 +9,7 @@ use stick_slip::{
 
 use crate::convert::{Numbers, elementwise};
 use crate::error::OrRaise;
-use crate::law::{Kind, LawArgument, PyLaw, with_law};
+use crate::law::{LawArgument, Plain, PyLaw, with_plain_law};
 use crate::made::{Made, Reduced};
 use crate::traced::Traced;
 
@@ -25,9 +25,9 @@ pub struct PyContactLaw {
 #[derive(Clone)]
 pub enum AnyContactLaw {
     /// For slip forward and backward.
-    Directional(Kind, Kind),
+    Directional(Plain, Plain),
     /// With the law of its drag.
-    Freewheel(Kind),
+    Freewheel(Plain),
     /// With how static friction rises, which the crate's law does not tell.
     DwellNamed(Dwell<AnyLaw>, Rise),
     DwellTraced(Dwell<Traced>),
@@ -83,6 +83,11 @@ impl Rise {
     }
 }
 
+/// The dry law inside of another law.
+fn plain(law: &Bound<'_, PyLaw>) -> PyResult<Plain> {
+    law.get().kind.plain().cloned().or_raise()
+}
+
 impl PyContactLaw {
     pub fn law(&self) -> &AnyContactLaw {
         &self.law
@@ -91,12 +96,12 @@ impl PyContactLaw {
     pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
         match self.law.clone() {
             AnyContactLaw::Directional(forward, backward) => {
-                with_law!(forward, forward => with_law!(backward, backward => {
+                with_plain_law!(forward, forward => with_plain_law!(backward, backward => {
                     Contact::along(direction, Directional::new(forward, backward)?, load)
                 }))
             }
             AnyContactLaw::Freewheel(drag) => {
-                with_law!(drag, drag => Contact::along(direction, Freewheel::new(drag)?, load))
+                with_plain_law!(drag, drag => Contact::along(direction, Freewheel::new(drag)?, load))
             }
             AnyContactLaw::DwellNamed(law, _) => Contact::along(direction, law, load),
             AnyContactLaw::DwellTraced(law) => Contact::along(direction, law, load),
@@ -187,9 +192,7 @@ pub fn directional(
     backward: LawArgument<'_>,
 ) -> PyResult<PyContactLaw> {
     let [forward, backward] = [forward.0, backward.0];
-    let kinds = [&forward, &backward].map(|law| law.get().kind.clone());
-    let [one, other] = kinds;
-    let law = AnyContactLaw::Directional(one, other);
+    let law = AnyContactLaw::Directional(plain(&forward)?, plain(&backward)?);
     let made = Made::by(py, "Directional", (forward, backward))?;
     Ok(PyContactLaw { law, made })
 }
@@ -220,7 +223,8 @@ pub fn capstan(
     wrap: f64,
 ) -> PyResult<PyContactLaw> {
     let law = Directional::capstan(static_coefficient, kinetic_coefficient, wrap).or_raise()?;
-    let [forward, backward] = [law.forward(), law.backward()].map(|law| Kind::Named((*law).into()));
+    let [forward, backward] =
+        [law.forward(), law.backward()].map(|law| Plain::Named((*law).into()));
     let numbers = (static_coefficient, kinetic_coefficient, wrap);
     let made = Made::by(py, "Capstan", numbers)?;
     let law = AnyContactLaw::Directional(forward, backward);
@@ -244,12 +248,9 @@ pub fn capstan(
 #[pyo3(signature = (drag = None))]
 pub fn freewheel(py: Python<'_>, drag: Option<LawArgument<'_>>) -> PyResult<PyContactLaw> {
     let (drag, made) = match drag {
-        Some(LawArgument(law)) => {
-            let kind = law.get().kind.clone();
-            (kind, Made::by(py, "Freewheel", (law,))?)
-        }
+        Some(LawArgument(law)) => (plain(&law)?, Made::by(py, "Freewheel", (law,))?),
         None => (
-            Kind::Named(Coulomb::new(0.0, 0.0).or_raise()?.into()),
+            Plain::Named(Coulomb::new(0.0, 0.0).or_raise()?.into()),
             Made::by(py, "Freewheel", ())?,
         ),
     };
@@ -294,9 +295,9 @@ pub fn dwell(
         .with_given(py, "rate", rate)?
         .with(py, "time", time)?
         .with_given(py, "hyperbolic", hyperbolic.then_some(true))?;
-    let law = match &law.0.get().kind {
-        Kind::Named(law) => AnyContactLaw::DwellNamed(rise.of(law.clone())?, rise),
-        Kind::Traced(law) => AnyContactLaw::DwellTraced(rise.of(law.clone())?),
+    let law = match plain(&law.0)? {
+        Plain::Named(law) => AnyContactLaw::DwellNamed(rise.of(law)?, rise),
+        Plain::Traced(law) => AnyContactLaw::DwellTraced(rise.of(law)?),
     };
     Ok(PyContactLaw { law, made })
 }
@@ -339,13 +340,13 @@ pub fn lugre(
 ) -> PyResult<PyContactLaw> {
     let made = Made::by(py, "LuGre", (&law.0, stiffness, damping))?;
     let made = made.with(py, "viscous", viscous)?;
-    let law = match &law.0.get().kind {
-        Kind::Named(law) => AnyContactLaw::LuGreNamed(
-            LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?,
-        ),
-        Kind::Traced(law) => AnyContactLaw::LuGreTraced(
-            LuGre::new(law.clone(), stiffness, damping, viscous).or_raise()?,
-        ),
+    let law = match plain(&law.0)? {
+        Plain::Named(law) => {
+            AnyContactLaw::LuGreNamed(LuGre::new(law, stiffness, damping, viscous).or_raise()?)
+        }
+        Plain::Traced(law) => {
+            AnyContactLaw::LuGreTraced(LuGre::new(law, stiffness, damping, viscous).or_raise()?)
+        }
     };
     Ok(PyContactLaw { law, made })
 }

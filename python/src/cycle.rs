@@ -17,7 +17,7 @@ use crate::error::OrRaise;
 use crate::motion::{AnyMotion, PyMotion, criticality_name, entry, iterator};
 use crate::orbit::VibrationRanges;
 use crate::record::record;
-use crate::waiting::{Options, Progress, Waiting, search, work};
+use crate::waiting::{Options, Progress, Waiting, options, search, work};
 
 /// A periodic motion of a mass on a belt, exact to rounding. Quantities are dimensionless, or in SI
 /// units in a cycle of a `PhysicalMassOnBelt`.
@@ -370,15 +370,10 @@ fn border(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     let system = system.system();
-    let options = Options {
-        max_steps,
-        max_points: None,
-        progress,
-    };
     let range = range.0..range.1;
     search(
         py,
-        options,
+        options(max_steps, None, progress).in_units_of(system.velocity_unit()),
         |search, _| system.velocities(border, range, search),
         |found| Ok(Numbers(found).into_pyobject(py)?.into_any().unbind()),
     )
@@ -575,11 +570,7 @@ pub fn diagram(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     let system = system.system();
-    let options = Options {
-        max_steps: None,
-        max_points: None,
-        progress,
-    };
+    let options = options(None, None, progress);
     let run = |waiting: &Waiting, options: &Options| {
         let mut points = Vec::new();
         for &velocity in &velocities.0 {
@@ -651,11 +642,8 @@ pub fn along(
 
 impl Along {
     fn ask(&self, py: Python<'_>, question: Question) -> PyResult<Py<PyAny>> {
-        let options = Options {
-            max_steps: self.max_steps,
-            max_points: None,
-            progress: self.progress.as_ref().map(|it| it.clone_ref(py)),
-        };
+        let progress = self.progress.as_ref().map(|it| it.clone_ref(py));
+        let options = options(self.max_steps, None, progress);
         let function = self.family.clone_ref(py);
         let range = self.low..self.high;
         let low = self.low;

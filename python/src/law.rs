@@ -4,7 +4,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use stick_slip::{
     AnyLaw, Contact, Coulomb, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Physical,
-    PhysicalMassOnBelt, Polynomial, Rational, Stribeck, Tabulated,
+    PhysicalMassOnBelt, Polynomial, Rational, Scaled, Stribeck, Tabulated,
 };
 
 use crate::any_belt::Belt;
@@ -13,24 +13,43 @@ use crate::error::{OrRaise, in_python};
 use crate::made::{Made, Reduced};
 use crate::traced::{Traced, pieces_of};
 
-/// Runs an expression with the law of either kind, so that each keeps the crate's own code.
+/// Runs an expression with the law of any kind, so that each keeps the crate's own code.
 macro_rules! with_law {
     ($kind:expr, $law:ident => $result:expr) => {
         match $kind {
-            $crate::law::Kind::Named($law) => $result,
-            $crate::law::Kind::Traced($law) => $result,
+            $crate::law::Kind::Plain($crate::law::Plain::Named($law)) => $result,
+            $crate::law::Kind::Plain($crate::law::Plain::Traced($law)) => $result,
+            $crate::law::Kind::Scaled($law) => $result,
         }
     };
 }
-pub(crate) use with_law;
 
-/// Where a law comes from.
+/// The same with a law in the units of its user.
+macro_rules! with_plain_law {
+    ($plain:expr, $law:ident => $result:expr) => {
+        match $plain {
+            $crate::law::Plain::Named($law) => $result,
+            $crate::law::Plain::Traced($law) => $result,
+        }
+    };
+}
+pub(crate) use with_plain_law;
+
+/// A law in the units of its user.
 #[derive(Clone)]
-pub enum Kind {
+pub enum Plain {
     /// A law of the crate.
     Named(AnyLaw),
     /// A function of a user.
     Traced(Traced),
+}
+
+/// Where a law comes from.
+#[derive(Clone)]
+pub enum Kind {
+    Plain(Plain),
+    /// A law of the crate over dimensionless speeds. A function of a user needs no type for that.
+    Scaled(Scaled<AnyLaw>),
 }
 
 impl Kind {
@@ -47,13 +66,38 @@ impl Kind {
     }
 
     pub fn physical(&self, physical: Physical) -> Result<std::sync::Arc<dyn Belt>, Error> {
-        with_law!(self, law => {
+        with_plain_law!(self.plain()?, law => {
             Ok(std::sync::Arc::new(PhysicalMassOnBelt::new(physical, law.clone())?))
         })
     }
 
     pub fn contact(&self, direction: &[(usize, f64)], load: Drive) -> Result<Contact, Error> {
         with_law!(self, law => Contact::along(direction, law.clone(), load))
+    }
+
+    /// The law for what takes no dimensionless speeds.
+    pub fn plain(&self) -> Result<&Plain, Error> {
+        match self {
+            Self::Plain(law) => Ok(law),
+            Self::Scaled(law) => Err(Error::InvalidParameter {
+                of: "Scaled",
+                name: "velocity_unit",
+                value: law.velocity_unit(),
+                allowed: "the law of a MassOnBelt or of a Contact; elsewhere give the law that it \
+                          scales",
+            }),
+        }
+    }
+
+    fn scaled(&self, velocity_unit: f64) -> Result<Self, Error> {
+        Ok(match self.plain()? {
+            Plain::Named(law) => Self::Scaled(Scaled::new(law.clone(), velocity_unit)?),
+            Plain::Traced(law) => {
+                // Checks the unit.
+                Scaled::new(law, velocity_unit)?;
+                Self::Plain(Plain::Traced(law.scaled(velocity_unit)))
+            }
+        })
     }
 }
 
@@ -99,7 +143,7 @@ impl PyLaw {
         let law = law.or_raise()?.into();
         Ok(Self {
             made: made(py, &law)?,
-            kind: Kind::Named(law),
+            kind: Kind::Plain(Plain::Named(law)),
         })
     }
 }
@@ -122,7 +166,7 @@ impl PyLaw {
         let law = Traced::new(r#static, pieces, breakpoints);
         law.check().or_raise()?;
         Ok(Self {
-            kind: Kind::Traced(law),
+            kind: Kind::Plain(Plain::Traced(law)),
             made,
         })
     }
@@ -417,6 +461,23 @@ pub fn tabulated(
         None => Ok(law),
     });
     PyLaw::named(py, law)
+}
+
+/// A law over dimensionless speeds: mu(velocity_unit s). That of `PhysicalMassOnBelt.dimensionless`.
+///
+/// Args:
+///     law: over speeds in units of velocity.
+///     velocity_unit: the speed that corresponds to the dimensionless speed 1, > 0.
+///
+/// >>> from stick_slip import Polynomial, Scaled
+/// >>> law = Scaled(Polynomial(0.4, 0.25, 0.5), 2.0)
+/// >>> law.kinetic(0.25)
+/// 0.25
+#[pyfunction(name = "Scaled")]
+pub fn scaled(py: Python<'_>, law: LawArgument<'_>, velocity_unit: f64) -> PyResult<PyLaw> {
+    let kind = law.0.get().kind.scaled(velocity_unit).or_raise()?;
+    let made = Made::by(py, "Scaled", (law.0, velocity_unit))?;
+    Ok(PyLaw { kind, made })
 }
 
 /// Segalman's distribution of springs and sliders (four-parameter Iwan model), for

@@ -58,17 +58,18 @@ mod _stick_slip {
     };
     #[pymodule_export]
     use crate::law::{
-        Iwan4, PyLaw, coulomb, exponential, polynomial, rational, stribeck, tabulated,
+        Iwan4, PyLaw, coulomb, exponential, polynomial, rational, scaled, stribeck, tabulated,
     };
     #[pymodule_export]
     use crate::motion::{EnergyBudget, PyMotion, Samples};
     #[pymodule_export]
     use crate::orbit::{
-        BranchEnd, Change, EventSensitivity, HopfPoint, LocusEnd, LyapunovExponent, PyAttractor,
-        PyBifurcation, PyBranch, PyBranchPoint, PyHopfLocus, PyLocus, PyLocusPoint, PyOrbit,
-        PyOrbitSensitivities, PySensitivities, PySpecialPoint, PySweep, SweepPoint, VibrationRange,
-        VibrationRanges, begin, classify, follow, hopf_locus, locus, lyapunov, orbit_sensitivities,
-        section, section_at, sensitivities, settle, shoot, sweep, vibration_ranges,
+        BranchEnd, Change, EventSensitivity, HopfPoint, LocusEnd, LyapunovExponent, Passage,
+        PyAttractor, PyBifurcation, PyBranch, PyBranchPoint, PyHopfLocus, PyLocus, PyLocusPoint,
+        PyOrbit, PyOrbitSensitivities, PySensitivities, PySpecialPoint, PySweep, SweepPoint,
+        VibrationRange, VibrationRanges, begin, classify, follow, hopf_locus, locus, lyapunov,
+        orbit_sensitivities, section, section_at, section_through, sensitivities, settle, shoot,
+        sweep, vibration_ranges,
     };
     #[pymodule_export]
     use crate::stop::PyStop;

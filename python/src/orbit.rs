@@ -9,7 +9,7 @@ use pyo3::types::PyIterator;
 use stick_slip::bifurcation::{self, HopfLocus};
 use stick_slip::orbit::{self, Attractor, Branch, BranchPoint, Period, Sensitivities, Sweep};
 use stick_slip::structure::State;
-use stick_slip::{Element, EventKind, Search, Structure};
+use stick_slip::{Element, Error, EventKind, Search, Structure};
 
 use crate::belt::BeltArgument;
 use crate::convert::{ComplexNumbers, Index, Numbers, Table, short};
@@ -21,7 +21,7 @@ use crate::motion::{
 };
 use crate::record::record;
 use crate::state::{Shown, Start};
-use crate::waiting::{Options, Waiting, search, work};
+use crate::waiting::{Options, Waiting, options, search, work};
 
 type RustOrbit = orbit::Orbit<State>;
 
@@ -294,18 +294,6 @@ fn period(periods: Option<usize>, estimate: Option<f64>) -> PyResult<Period> {
     }
 }
 
-fn options(
-    max_steps: Option<usize>,
-    max_points: Option<usize>,
-    progress: Option<Py<PyAny>>,
-) -> Options {
-    Options {
-        max_steps,
-        max_points,
-        progress,
-    }
-}
-
 /// The periodic motion near a guess, stable or not, by Newton's method.
 ///
 /// Args:
@@ -500,14 +488,23 @@ impl PyBifurcation {
     ///
     /// Args:
     ///     family: the function that returns the system for a value of the parameter.
-    fn switch(&self, py: Python<'_>, family: Py<PyAny>) -> PyResult<Py<PyAny>> {
-        let run = |waiting: &Waiting, _: &Options| {
-            let family = Family::new(family, waiting);
-            self.0.switch(|value| family.of_one(value))
-        };
-        work(py, options(None, None, None), run, |point| {
-            Ok(branch_point(py, point.parameter, point.orbit)?.into_any())
-        })
+    ///     progress: a function called with a Progress; the search ends if it returns False.
+    #[pyo3(signature = (family, *, progress = None))]
+    fn switch(
+        &self,
+        py: Python<'_>,
+        family: Py<PyAny>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Py<PyAny>> {
+        search(
+            py,
+            options(None, None, progress),
+            |search, waiting| {
+                let family = Family::new(family, waiting);
+                search.switch(&self.0, |value| family.of_one(value))
+            },
+            |point| Ok(branch_point(py, point.parameter, point.orbit)?.into_any()),
+        )
     }
 
     fn __repr__(&self) -> String {
@@ -1089,9 +1086,18 @@ pub fn vibration_ranges(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     if let Ok(belt) = family.extract::<BeltArgument<'_>>() {
+        if max_points.is_some() {
+            return Err(PyValueError::new_err(
+                "max_points bounds branches, and a mass on a belt needs none: give max_steps",
+            ));
+        }
         let system = belt.system();
-        let ranges = py.detach(|| system.ranges(low..high)).or_raise()?;
-        return Ok(Py::new(py, VibrationRanges::of_belt(py, ranges)?)?.into_any());
+        return search(
+            py,
+            options(max_steps, None, progress).in_units_of(system.velocity_unit()),
+            |search, _| system.ranges(low..high, search),
+            |ranges| Ok(Py::new(py, VibrationRanges::of_belt(py, ranges)?)?.into_any()),
+        );
     }
     if !family.is_callable() {
         return Err(PyTypeError::new_err(
@@ -1485,6 +1491,26 @@ fn states(py: Python<'_>, states: &[State]) -> PyResult<Py<PyAny>> {
     Ok((q, v).into_pyobject(py)?.into_any().unbind())
 }
 
+/// The items of a section after those that are skipped, up to a signal.
+fn items<T>(
+    section: impl Iterator<Item = Result<T, Error>>,
+    count: usize,
+    skip: usize,
+    waiting: &Waiting,
+) -> Result<Vec<T>, Error> {
+    let mut found = Vec::new();
+    for (number, item) in section.take(skip.saturating_add(count)).enumerate() {
+        if waiting.is_interrupted() {
+            break;
+        }
+        let item = item?;
+        if number >= skip {
+            found.push(item);
+        }
+    }
+    Ok(found)
+}
+
 /// A Poincare section: the states after each period.
 ///
 /// Args:
@@ -1508,20 +1534,12 @@ pub fn section(
 ) -> PyResult<Py<PyAny>> {
     let system = system.structure().or_raise()?;
     let run = |waiting: &Waiting, _: &Options| {
-        let mut found = Vec::new();
-        for (number, state) in orbit::section(&system, &start.0, period)
-            .take(skip.saturating_add(count))
-            .enumerate()
-        {
-            if waiting.is_interrupted() {
-                break;
-            }
-            let state = state?;
-            if number >= skip {
-                found.push(state);
-            }
-        }
-        Ok(found)
+        items(
+            orbit::section(&system, &start.0, period),
+            count,
+            skip,
+            waiting,
+        )
     };
     work(py, options(None, None, None), run, |found| {
         states(py, &found)
@@ -1573,25 +1591,16 @@ pub fn section_at(
     };
     let system = system.structure().or_raise()?;
     let run = |waiting: &Waiting, _: &Options| {
-        let mut found = Vec::new();
         let events = orbit::section_at(&system, &start.0, contact.0, kind);
-        for (number, event) in events.take(skip.saturating_add(count)).enumerate() {
-            if waiting.is_interrupted() {
-                break;
-            }
-            let event = event?;
-            if number >= skip {
-                found.push((event.time, event.state));
-            }
-        }
-        Ok(found)
+        items(events, count, skip, waiting)
     };
     work(
         py,
         options(None, None, None),
         run,
-        |found: Vec<(f64, State)>| {
-            let (times, found): (Vec<f64>, Vec<State>) = found.into_iter().unzip();
+        |found: Vec<stick_slip::Event<State>>| {
+            let found = found.into_iter().map(|event| (event.time, event.state));
+            let (times, found): (Vec<f64>, Vec<State>) = found.unzip();
             let pair = states(py, &found)?;
             let (q, v): (Py<PyAny>, Py<PyAny>) = pair.extract(py)?;
             Ok((Numbers(times), q, v)
@@ -1600,6 +1609,72 @@ pub fn section_at(
                 .unbind())
         },
     )
+}
+
+record! {
+    /// A passage of the sliding speed of a contact through a value: see `section_through`.
+    Passage {
+        /// The time, in units of time.
+        time: f64,
+        /// The `State` at this time.
+        state: Shown,
+        /// True if the contact becomes faster.
+        rises: bool,
+    }
+}
+
+/// A Poincare section: where the sliding speed of a contact passes a value. For contacts that never
+/// stick, as with the law `RateState`; no passage is missed.
+///
+/// Args:
+///     system: a Structure or a mass on a belt.
+///     start: a state (q, v) or (q, v, memory); for a mass on a belt (u, v).
+///     contact: the number of the contact.
+///     speed: in units of velocity, > 0.
+///     count: how many passages.
+///     skip: how many passages are left out first.
+///
+/// Returns:
+///     A list of Passage. There are fewer than count if the motion comes to rest.
+///
+/// Earthquakes of a fault, by the square metre; a passage to a lower speed is a guess for `shoot`:
+///
+/// >>> from stick_slip import Contact, RateState, Structure, section_through, shoot
+/// >>> law = RateState(f0=0.6, a=0.01, b=0.015, d_c=8e-3, v0=1e-6)
+/// >>> fault = (Structure([3.90625e6]).with_ground_spring(0, 1.5625e7)
+/// ...     .with_ground_damper(0, 4.6e6).with_force(0, 4.6e6 * 1e-9)
+/// ...     .with_contact(Contact(0, law, 5e7, belt_velocity=1e-9)))
+/// >>> start = ([1.92], [0.0], [6.9], {0: -1.2e-9})
+/// >>> passages = section_through(fault, start, 0, 1e-10, 8)
+/// >>> one, other = [passage for passage in passages if not passage.rises][2:4]
+/// >>> orbit = shoot(fault, one.state, estimate=other.time - one.time)
+/// >>> round(orbit.period), orbit.is_stable
+/// (581267701, True)
+#[pyfunction]
+#[pyo3(signature = (system, start, contact, speed, count, *, skip = 0))]
+pub fn section_through(
+    py: Python<'_>,
+    system: AnySystem<'_>,
+    start: Start,
+    contact: Index,
+    speed: f64,
+    count: usize,
+    skip: usize,
+) -> PyResult<Py<PyAny>> {
+    let system = system.structure().or_raise()?;
+    let run = |waiting: &Waiting, _: &Options| {
+        let passages = orbit::section_through(&system, &start.0, contact.0, speed);
+        items(passages, count, skip, waiting)
+    };
+    work(py, options(None, None, None), run, |found| {
+        let passage = |passage: orbit::Passage<State>| Passage {
+            time: passage.time,
+            state: Shown(passage.state),
+            rises: passage.rises,
+        };
+        let passages: Vec<Passage> = found.into_iter().map(passage).collect();
+        Ok(passages.into_pyobject(py)?.into_any().unbind())
+    })
 }
 
 /// A motion with its derivatives by parameters.

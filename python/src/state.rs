@@ -50,6 +50,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Start {
 }
 
 /// A state that becomes the named tuple `State` of Python.
+#[derive(Clone, Debug)]
 pub struct Shown(pub structure::State);
 
 impl<'py> IntoPyObject<'py> for Shown {

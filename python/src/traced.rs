@@ -112,6 +112,20 @@ impl Programme {
             .map(Self)
     }
 
+    /// The function of a multiple of the first argument.
+    fn of_multiple(&self, factor: f64) -> Self {
+        let operation = |code, constant| Operation {
+            code,
+            slot: 0,
+            constant,
+        };
+        let first = [
+            operation(Code::MultiplyConstant, factor),
+            operation(Code::Store, 0.0),
+        ];
+        Self(first.into_iter().chain(self.0.iter().copied()).collect())
+    }
+
     /// The value of a law of one or two arguments.
     #[inline(always)]
     fn run<S: Scalar, const N: usize>(&self, arguments: [S; N]) -> S {
@@ -185,6 +199,16 @@ impl Traced {
             static_coefficient,
             pieces: pieces.into(),
             breakpoints: breakpoints.into(),
+        }
+    }
+
+    /// The law over speeds in another unit: the operations of the crate's `Scaled`.
+    pub fn scaled(&self, unit: f64) -> Self {
+        let pieces = self.pieces.iter().map(|piece| piece.of_multiple(unit));
+        Self {
+            static_coefficient: self.static_coefficient,
+            pieces: pieces.collect(),
+            breakpoints: self.breakpoints.iter().map(|speed| speed / unit).collect(),
         }
     }
 

@@ -56,9 +56,31 @@ impl From<stick_slip::Progress> for Progress {
 
 /// The bounds and the callback of a search.
 pub struct Options {
-    pub max_steps: Option<usize>,
-    pub max_points: Option<usize>,
-    pub progress: Option<Py<PyAny>>,
+    max_steps: Option<usize>,
+    max_points: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    /// The unit of the values that the crate reports.
+    unit: f64,
+}
+
+pub fn options(
+    max_steps: Option<usize>,
+    max_points: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> Options {
+    Options {
+        max_steps,
+        max_points,
+        progress,
+        unit: 1.0,
+    }
+}
+
+impl Options {
+    /// For a search whose values are in other units than those of its caller.
+    pub fn in_units_of(self, unit: f64) -> Self {
+        Self { unit, ..self }
+    }
 }
 
 /// What a search waits for beside its work: the first exception of a callback, or a signal.
@@ -139,7 +161,9 @@ impl Waiting {
             search = search.with_max_points(points)?;
         }
         Ok(search.watched(move |now| {
-            if self.goes_on(options, *now) {
+            let now = Progress::from(*now);
+            let value = now.value * options.unit;
+            if self.goes_on(options, Progress { value, ..now }) {
                 ControlFlow::Continue(())
             } else {
                 ControlFlow::Break(())
@@ -148,12 +172,12 @@ impl Waiting {
     }
 
     /// Looks for a signal and reports the progress. False if the work has to end.
-    pub fn goes_on(&self, options: &Options, now: impl Into<Progress>) -> bool {
+    pub fn goes_on(&self, options: &Options, now: Progress) -> bool {
         !self.is_interrupted()
             && options
                 .progress
                 .as_ref()
-                .is_none_or(|progress| self.report(progress, now.into()))
+                .is_none_or(|progress| self.report(progress, now))
     }
 
     /// Tells Python about the progress. It goes on unless the function returns False.

@@ -25,6 +25,8 @@ LAWS = [
     ss.Tabulated(POINTS, 0.5, piecewise_linear=True),
     OWN,
     PIECES,
+    ss.Scaled(ss.Coulomb(0.4, 0.25), 2.0),
+    ss.Scaled(PIECES, 2.0),
 ]
 CONTACT_LAWS = [
     ss.Directional(ss.Coulomb(0.2, 0.1), OWN),

@@ -112,6 +112,71 @@ def test_silencing_in_si_units() -> None:
     assert periods[0] == pytest.approx(periods[1], rel=1e-12)
 
 
+def test_a_brake_without_units() -> None:
+    own = ss.Law(
+        [lambda s: 0.45 - 0.1 * s / 0.05, lambda s: 0.35 + 0 * s], static=0.45, breakpoints=[0.05]
+    )
+    for law in (ss.Exponential(0.4, 0.25, 0.05), own):
+        brake = ss.PhysicalMassOnBelt(
+            law, mass=2.0, stiffness=800.0, normal_force=20.0, belt_velocity=0.03, damping=1.0
+        )
+        system = brake.dimensionless
+        unit = brake.length * brake.angular_frequency
+        speeds = np.linspace(0.0, 0.5, 20)
+        assert np.array_equal(system.law.kinetic(speeds), law.kinetic(unit * speeds))
+        assert system.law.breakpoints == [speed / unit for speed in law.breakpoints]
+        [cycle], [plain] = ss.limit_cycles(brake), ss.limit_cycles(system)
+        assert cycle.period * brake.angular_frequency == pytest.approx(plain.period, rel=1e-15)
+        assert cycle.amplitude == pytest.approx(plain.amplitude * brake.length, rel=1e-15)
+        averaged = ss.analysis.averaged_cycles(system)
+        assert averaged[0].amplitude > 0.5 * plain.max_velocity
+        contact = ss.Contact(0, system.law, 1.0, belt_velocity=system.belt_velocity)
+        block = (
+            ss.Structure([1.0])
+            .with_ground_spring(0, 1.0)
+            .with_ground_damper(0, 2 * system.damping)
+            .with_contact(contact)
+        )
+        orbit = ss.shoot(block, plain.state, estimate=plain.period)
+        assert orbit.period == pytest.approx(plain.period, rel=1e-13)
+    scaled = ss.Scaled(ss.Exponential(0.4, 0.25, 0.05), 0.5)
+    for refused in (
+        lambda: ss.Scaled(scaled, 2.0),
+        lambda: ss.Scaled(ss.Coulomb(0.4, 0.3), 0.0),
+        lambda: ss.LuGre(scaled, 100.0, 0.5),
+        lambda: ss.Dwell(scaled, rate=0.1, time=1.0),
+        lambda: ss.Directional(ss.Coulomb(0.4, 0.3), scaled),
+        lambda: ss.Freewheel(scaled),
+        lambda: ss.PhysicalMassOnBelt(
+            scaled, mass=2.0, stiffness=800.0, normal_force=20.0, belt_velocity=0.03
+        ),
+    ):
+        with pytest.raises(ss.ParameterError) as caught:
+            refused()
+        assert caught.value.name == "velocity_unit"
+
+
+def test_progress_has_the_units_of_the_system() -> None:
+    brake = ss.PhysicalMassOnBelt(
+        ss.Exponential(0.4, 0.25, 0.05),
+        mass=2.0,
+        stiffness=800.0,
+        normal_force=20.0,
+        belt_velocity=0.03,
+        damping=1.0,
+    )
+    for search in (ss.grazing_velocities, ss.fold_velocities, ss.vibration_ranges):
+        seen: list[float] = []
+        search(brake, 0.01, 0.15, progress=lambda p: seen.append(p.value))
+        assert len(seen) > 1 and all(0.01 - 1e-15 <= value <= 0.15 + 1e-15 for value in seen)
+        assert max(seen) > 0.1
+    with pytest.raises(ss.StickSlipError) as caught:
+        ss.vibration_ranges(brake, 0.01, 0.15, progress=lambda p: False)
+    assert caught.value.variant == "Stopped"
+    with pytest.raises(ValueError, match="max_points"):
+        ss.vibration_ranges(brake, 0.01, 0.15, max_points=3)
+
+
 def test_diagrams() -> None:
     points = ss.diagram(SYSTEM, [0.2, 0.42, 0.46])
     kinds = [[c.kind for c in point.cycles] for point in points]

@@ -44,6 +44,7 @@ held = (
     .with_stops([ss.Stop.above(0, 1.0, stiffness=10.0), ss.Stop({0: 1.0}, 1.0, stiffness=10.0)])
     .with_first_order(ss.FirstOrder(time_constant=0.5, velocities={0: 1.0}, forces={0: -1.0}))
 )
+rising: list[bool] = [it.rises for it in ss.section_through(held, ([0.1], [0.2]), 0, 0.1, 3)]
 state: ss.State = first.state
 again: StateLike = state
 further: StateLike = ([0.0], [0.0], [0.0], {0: 1e-12})

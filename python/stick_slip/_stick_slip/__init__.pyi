@@ -64,6 +64,7 @@ __all__ = [
     "Motion",
     "Orbit",
     "OrbitSensitivities",
+    "Passage",
     "Pendulum",
     "PhysicalMassOnBelt",
     "Polynomial",
@@ -72,6 +73,7 @@ __all__ = [
     "RateState",
     "Rational",
     "Samples",
+    "Scaled",
     "Sensitivities",
     "SnapThrough",
     "SpecialPoint",
@@ -107,6 +109,7 @@ __all__ = [
     "overshoot_velocities",
     "section",
     "section_at",
+    "section_through",
     "sensitivities",
     "settle",
     "shoot",
@@ -245,6 +248,7 @@ def Tabulated(
     static_coefficient: float | None = None,
     piecewise_linear: bool = False,
 ) -> Law: ...
+def Scaled(law: Law, velocity_unit: float) -> Law: ...
 def Directional(forward: Law, backward: Law) -> ContactLaw: ...
 def Capstan(
     static_coefficient: float,
@@ -374,6 +378,12 @@ class PhysicalMassOnBelt:
     def normal_force(self) -> float: ...
     @property
     def belt_velocity(self) -> float: ...
+    @property
+    def dimensionless(self) -> MassOnBelt: ...
+    @property
+    def length(self) -> float: ...
+    @property
+    def angular_frequency(self) -> float: ...
     def replace(
         self,
         *,
@@ -1091,6 +1101,15 @@ class HopfLocus:
     def parameters(self) -> Array: ...
 
 @final
+class Passage:
+    @property
+    def time(self) -> float: ...
+    @property
+    def state(self) -> State: ...
+    @property
+    def rises(self) -> bool: ...
+
+@final
 class OrbitSensitivities:
     @property
     def period(self) -> Array: ...
@@ -1149,7 +1168,12 @@ class Bifurcation:
     def kind(self) -> str: ...
     @property
     def orbit(self) -> Orbit: ...
-    def switch(self, family: Callable[[float], System]) -> BranchPoint: ...
+    def switch(
+        self,
+        family: Callable[[float], System],
+        *,
+        progress: Callable[[Progress], object] | None = None,
+    ) -> BranchPoint: ...
 
 @final
 class Branch:
@@ -1300,6 +1324,15 @@ def section_at(
     direction: int = ...,
     skip: int = 0,
 ) -> tuple[Array, Array, Array]: ...
+def section_through(
+    system: System,
+    start: StateLike,
+    contact: int,
+    speed: float,
+    count: int,
+    *,
+    skip: int = 0,
+) -> list[Passage]: ...
 def sensitivities(
     family: Callable[[Array], tuple[System, StateLike]],
     parameters: ArrayLike,
