@@ -12,7 +12,7 @@ use stick_slip::{AnyLaw, Coulomb, Dwell, Exponential, MassOnBelt, Polynomial, Sc
 
 use crate::belt::PyBelt;
 use crate::contact_law::{AnyContactLaw, AnyRateState, PyContactLaw, PyRateState, with_rate_state};
-use crate::convert::{BeltStart, ComplexNumbers, Numbers, elementwise};
+use crate::convert::{BeltStart, ComplexNumbers, Count, Numbers, elementwise};
 use crate::error::OrRaise;
 use crate::law::{Kind, Plain, PyLaw};
 use crate::motion::criticality_name;
@@ -389,9 +389,13 @@ pub fn duffing_period(mass: f64, stiffness: f64, cubic: f64, amplitude: f64) -> 
 /// The turning points (times, displacements) of a Duffing oscillator with dry friction, at most
 /// `count` of them; None if the arguments are out of range.
 #[pyfunction]
-#[pyo3(signature = (
-    mass, stiffness, cubic, kinetic_friction, static_friction, start, *, count = 1000
-))]
+#[pyo3(
+    signature = (
+        mass, stiffness, cubic, kinetic_friction, static_friction, start, *, count = Count(1000)
+    ),
+    text_signature = "(mass, stiffness, cubic, kinetic_friction, static_friction, start, *, \
+                      count=1000)"
+)]
 pub fn duffing_friction_decay(
     mass: f64,
     stiffness: f64,
@@ -399,7 +403,7 @@ pub fn duffing_friction_decay(
     kinetic_friction: f64,
     static_friction: f64,
     start: f64,
-    count: usize,
+    count: Count,
 ) -> Option<(Numbers, Numbers)> {
     let turns = duffing::friction_decay(
         mass,
@@ -409,7 +413,7 @@ pub fn duffing_friction_decay(
         static_friction,
         start,
     )?;
-    let (times, displacements) = turns.take(count).unzip();
+    let (times, displacements) = turns.take(count.0).unzip();
     Some((Numbers(times), Numbers(displacements)))
 }
 

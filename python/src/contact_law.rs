@@ -100,9 +100,9 @@ impl PyContactLaw {
                     Contact::along(direction, Directional::new(forward, backward)?, load)
                 }))
             }
-            AnyContactLaw::Freewheel(drag) => {
-                with_plain_law!(drag, drag => Contact::along(direction, Freewheel::new(drag)?, load))
-            }
+            AnyContactLaw::Freewheel(drag) => with_plain_law!(drag, drag => {
+                Contact::along(direction, Freewheel::new(drag)?, load)
+            }),
             AnyContactLaw::DwellNamed(law, _) => Contact::along(direction, law, load),
             AnyContactLaw::DwellTraced(law) => Contact::along(direction, law, load),
             AnyContactLaw::Dahl(law) => Contact::along(direction, law, load),

@@ -31,15 +31,38 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Numbers {
         if let Some(number) = number(&object) {
             return Ok(Self(vec![number]));
         }
-        let array = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>();
-        let array = array.map_err(|_| {
+        vector(&object).map(Self).ok_or_else(|| {
             PyTypeError::new_err(format!(
                 "expected a number or a one-dimensional array of numbers, not {}",
                 shown(&object)
             ))
-        })?;
-        Ok(Self(array.as_array().to_vec()))
+        })
     }
+}
+
+/// The object as an array of real numbers. Conversion alone would take complex numbers without
+/// their imaginary parts, texts, and None as nan.
+fn numbers_of<'py>(object: &Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
+    if object.cast::<PyArrayDyn<f64>>().is_ok() {
+        return Some(object.clone());
+    }
+    let numpy = object.py().import("numpy").ok()?;
+    let array = numpy.call_method1("asarray", (object,)).ok()?;
+    let kind = array.getattr("dtype").ok()?.getattr("kind").ok()?;
+    let is_real = ["b", "i", "u", "f"].contains(&kind.extract::<String>().ok()?.as_str());
+    is_real.then_some(array)
+}
+
+/// The numbers of a one-dimensional array.
+pub fn vector(object: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
+    let numbers = numbers_of(object)?;
+    let array = numbers.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>();
+    Some(array.ok()?.as_array().to_vec())
+}
+
+/// A two-dimensional array.
+fn table<'py>(object: &Bound<'py, PyAny>) -> Option<PyArrayLike2<'py, f64, AllowTypeChange>> {
+    numbers_of(object)?.extract().ok()
 }
 
 /// Complex numbers that become an array.
@@ -129,8 +152,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Matrix {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let array = object.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>();
-        let array = array.map_err(|_| {
+        let array = table(&object).ok_or_else(|| {
             PyTypeError::new_err(format!(
                 "expected a two-dimensional array of numbers, not {}",
                 shown(&object)
@@ -157,6 +179,44 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Index {
                 "{number} is not allowed: coordinates and contacts are counted from 0"
             ))
         })
+    }
+}
+
+/// The number if there is such an item; otherwise the crate answers nothing, or panics.
+pub fn within(index: Index, count: usize, what: &str) -> PyResult<usize> {
+    if index.0 < count {
+        return Ok(index.0);
+    }
+    Err(PyIndexError::new_err(format!(
+        "no {what} {}: there are {count}, counted from 0",
+        index.0
+    )))
+}
+
+/// How many results a call may return: more would not fit into the memory.
+const MOST: usize = 10_000_000;
+
+/// A number of results.
+pub struct Count(pub usize);
+
+impl Count {
+    /// The number, unless it is too large; `what` names the results.
+    pub fn checked(count: f64, what: &str) -> PyResult<()> {
+        if count <= MOST as f64 {
+            return Ok(());
+        }
+        Err(PyValueError::new_err(format!(
+            "{count:e} {what} are too many for one call: at most {MOST}"
+        )))
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Count {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let count: usize = object.extract()?;
+        Self::checked(count as f64, "results").map(|()| Self(count))
     }
 }
 
@@ -212,8 +272,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Points {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let array = object.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>();
-        let pairs = array.ok().filter(|array| array.as_array().ncols() == 2);
+        let pairs = table(&object).filter(|array| array.as_array().ncols() == 2);
         let pairs = pairs.ok_or_else(|| {
             PyTypeError::new_err(format!(
                 "expected pairs of numbers, as in [(0, 0.4), (1, 0.3)], not {}",
@@ -289,7 +348,13 @@ pub fn elementwise<'py>(
     if let Some(number) = number(argument) {
         return Ok(function(number).into_pyobject(py)?.into_any());
     }
-    let array = argument.extract::<numpy::PyArrayLikeDyn<'_, f64, AllowTypeChange>>()?;
+    let numbers = numbers_of(argument).ok_or_else(|| {
+        PyTypeError::new_err(format!(
+            "expected a number or an array of numbers, not {}",
+            shown(&argument.as_borrowed())
+        ))
+    })?;
+    let array = numbers.extract::<numpy::PyArrayLikeDyn<'_, f64, AllowTypeChange>>()?;
     let result = array.as_array().mapv(function);
     let result: Bound<'py, PyArrayDyn<f64>> = result.into_pyarray(py);
     Ok(result.into_any())
@@ -302,7 +367,7 @@ pub fn float(number: f64) -> String {
     } else if number.is_infinite() {
         if number > 0.0 { "inf" } else { "-inf" }.to_owned()
     } else {
-        format!("{number:?}")
+        exponent(&format!("{number:?}"))
     }
 }
 
@@ -316,6 +381,17 @@ pub fn short(number: f64) -> String {
     if (1e-3..1e5).contains(&size) {
         format!("{number:.6}")
     } else {
-        format!("{number:.5e}")
+        exponent(&format!("{number:.5e}"))
+    }
+}
+
+/// The text of a float with its exponent as Python writes it: a sign and two digits at least.
+fn exponent(text: &str) -> String {
+    match text.split_once('e') {
+        Some((mantissa, power)) if power.starts_with('-') => {
+            format!("{mantissa}e-{:0>2}", &power[1..])
+        }
+        Some((mantissa, power)) => format!("{mantissa}e+{power:0>2}"),
+        None => text.to_owned(),
     }
 }

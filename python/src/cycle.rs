@@ -12,7 +12,7 @@ use stick_slip::limit_cycle::Attractor;
 
 use crate::any_belt::{Answer, Belt, Border, Question, Silencing};
 use crate::belt::{BeltArgument, Equilibrium};
-use crate::convert::{BeltStart, ComplexNumbers, Numbers, short};
+use crate::convert::{BeltStart, ComplexNumbers, Count, Numbers, short};
 use crate::error::OrRaise;
 use crate::motion::{AnyMotion, PyMotion, criticality_name, entry, iterator};
 use crate::orbit::VibrationRanges;
@@ -173,18 +173,18 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of the displacement.
-    fn harmonics(&self, n: usize) -> ComplexNumbers {
-        ComplexNumbers(self.0.harmonics(n))
+    fn harmonics(&self, n: Count) -> ComplexNumbers {
+        ComplexNumbers(self.0.harmonics(n.0))
     }
 
     /// Complex amplitudes of the first n harmonics of the velocity.
-    fn velocity_harmonics(&self, n: usize) -> ComplexNumbers {
-        ComplexNumbers(self.0.velocity_harmonics(n))
+    fn velocity_harmonics(&self, n: Count) -> ComplexNumbers {
+        ComplexNumbers(self.0.velocity_harmonics(n.0))
     }
 
     /// Complex amplitudes of the first n harmonics of the acceleration.
-    fn acceleration_harmonics(&self, n: usize) -> ComplexNumbers {
-        ComplexNumbers(self.0.acceleration_harmonics(n))
+    fn acceleration_harmonics(&self, n: Count) -> ComplexNumbers {
+        ComplexNumbers(self.0.acceleration_harmonics(n.0))
     }
 
     fn __repr__(&self) -> String {

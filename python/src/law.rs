@@ -463,7 +463,7 @@ pub fn tabulated(
     PyLaw::named(py, law)
 }
 
-/// A law over dimensionless speeds: mu(velocity_unit s). That of `PhysicalMassOnBelt.dimensionless`.
+/// A law over dimensionless speeds, mu(velocity_unit s): that of a brake's `dimensionless`.
 ///
 /// Args:
 ///     law: over speeds in units of velocity.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use numpy::ndarray::Array1;
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike1};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -11,10 +11,11 @@ use pyo3::types::{PyBytes, PyIterator, PyList};
 use stick_slip::bifurcation::Criticality;
 use stick_slip::{Element, Ended, Event, EventKind, Mode, Structure, Trajectory, structure};
 
-use crate::convert::{Index, Numbers, Table, elementwise, number, short};
+use crate::convert::{Count, Index, Numbers, Table, elementwise, number, short, vector, within};
 use crate::error::{OrRaise, raised};
 use crate::record::record;
 use crate::state::Shown;
+use crate::waiting::{Options, Waiting, options, work};
 
 /// A motion of either kind of system.
 #[derive(Clone)]
@@ -67,9 +68,22 @@ impl AnyMotion {
 
     fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         match self {
-            Self::Belt(motion) => motion.mode_at(time).filter(|_| contact == 0),
+            Self::Belt(motion) => motion.mode_at(time),
             Self::Structure(motion, _) => motion.mode_at(contact, time),
         }
+    }
+
+    /// The number of contacts, unless there is no step that would have them.
+    fn contacts(&self) -> Option<usize> {
+        match self {
+            Self::Belt(_) => Some(1),
+            Self::Structure(motion, _) => motion.steps().first().map(|step| step.modes().len()),
+        }
+    }
+
+    fn contact(&self, index: Index) -> PyResult<usize> {
+        self.contacts()
+            .map_or(Ok(index.0), |count| within(index, count, "contact"))
     }
 }
 
@@ -197,6 +211,12 @@ impl PyMotion {
     #[getter]
     fn steps(&self) -> usize {
         with_motion!(&self.0, motion => motion.steps().len())
+    }
+
+    /// The number of contacts; 0 in a motion without a step.
+    #[getter]
+    fn contacts(&self) -> usize {
+        self.0.contacts().unwrap_or(0)
     }
 
     /// The events as a structured array with the fields time, contact (its number; -1 for an event
@@ -332,18 +352,20 @@ impl PyMotion {
                 "sliding velocities are those of a Structure: simulate system.structure()",
             ));
         };
-        elementwise(times, |time| motion.sliding_velocity(contact.0, time))
+        let contact = self.0.contact(contact)?;
+        elementwise(times, |time| motion.sliding_velocity(contact, time))
     }
 
     /// The mode of a contact at a time: "stick", "slip" or "open"; None outside of the motion. At
     /// an event the mode after it.
     #[pyo3(signature = (time, contact = Index(0)), text_signature = "($self, time, contact=0)")]
-    fn mode_at(&self, time: f64, contact: Index) -> Option<&'static str> {
-        Some(match self.0.mode_at(contact.0, time)? {
+    fn mode_at(&self, time: f64, contact: Index) -> PyResult<Option<&'static str>> {
+        let mode = self.0.mode_at(self.0.contact(contact)?, time);
+        Ok(mode.map(|mode| match mode {
             Mode::Stick => "stick",
             Mode::Slip(_) => "slip",
             Mode::Open => "open",
-        })
+        }))
     }
 
     /// The mode of a contact at given times, as int8: 0 in stick, -1 and +1 in slip with negative
@@ -355,7 +377,8 @@ impl PyMotion {
         contact: Index,
     ) -> PyResult<Bound<'py, PyArray1<i8>>> {
         let times_ = times_of(times)?;
-        let mode = |time: &f64| mode_number(self.0.mode_at(contact.0, *time));
+        let contact = self.0.contact(contact)?;
+        let mode = |time: &f64| mode_number(self.0.mode_at(contact, *time));
         let modes: Array1<i8> = times_.iter().map(mode).collect();
         Ok(modes.into_pyarray(times.py()))
     }
@@ -371,23 +394,24 @@ impl PyMotion {
     /// >>> samples = block.simulate(([0.0], [0.0]), 2.0).samples(0.5)
     /// >>> samples.friction[:, 0]
     /// array([-6.        , -2.41647214, -4.91647214, -7.41647214, -6.        ])
-    fn samples(&self, py: Python<'_>, interval: f64) -> PyResult<Samples> {
-        let AnyMotion::Structure(motion, Some(structure)) = &self.0 else {
-            return Err(PyTypeError::new_err(
-                "samples with forces are those of a Structure: simulate system.structure()",
-            ));
+    fn samples(&self, py: Python<'_>, interval: f64) -> PyResult<Py<PyAny>> {
+        let (motion, structure) = self.of_structure("samples with forces")?;
+        // The crate refuses other intervals.
+        if interval > 0.0 {
+            Count::checked(motion.duration() / interval, "samples")?;
+        }
+        let run = |waiting: &Waiting, _: &Options| {
+            let samples = structure.samples(motion, interval)?;
+            waiting.items(samples.map(Ok), 0, usize::MAX)
         };
-        let found = py.detach(|| Ok(structure.samples(motion, interval)?.collect::<Vec<_>>()));
-        Ok(Samples::of(found.map_err(raised)?))
+        work(py, options(None, None, None), run, |found| {
+            Ok(Py::new(py, Samples::of(found))?.into_any())
+        })
     }
 
     /// Work and heat of every part of a structure over the motion.
     fn energy_budget(&self, py: Python<'_>) -> PyResult<EnergyBudget> {
-        let AnyMotion::Structure(motion, Some(structure)) = &self.0 else {
-            return Err(PyTypeError::new_err(
-                "energies are those of a Structure: simulate system.structure()",
-            ));
-        };
+        let (motion, structure) = self.of_structure("energies")?;
         py.detach(|| structure.energy_budget(motion))
             .or_raise()
             .map(EnergyBudget::from)
@@ -449,6 +473,20 @@ impl PyMotion {
 }
 
 impl PyMotion {
+    /// The motion with its structure.
+    fn of_structure(&self, what: &str) -> PyResult<(&Trajectory<structure::State>, &Structure)> {
+        Err(PyTypeError::new_err(match &self.0 {
+            AnyMotion::Structure(motion, Some(structure)) => return Ok((motion, structure)),
+            AnyMotion::Structure(_, None) => format!(
+                "the motions of a branch do not keep their systems, which {what} need: simulate \
+                 family(point.parameter) from point.orbit.state; Orbit.energy is known"
+            ),
+            AnyMotion::Belt(_) => {
+                format!("{what} are those of a Structure: simulate system.structure()")
+            }
+        }))
+    }
+
     fn sample_one<'py>(&self, py: Python<'py>, time: f64) -> PyResult<Bound<'py, PyAny>> {
         match &self.0 {
             AnyMotion::Belt(motion) => {
@@ -469,11 +507,9 @@ impl PyMotion {
 }
 
 fn times_of(times: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let array = times.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>();
-    let array = array.map_err(|_| {
+    vector(times).ok_or_else(|| {
         PyTypeError::new_err("times are a number or a one-dimensional array of numbers")
-    })?;
-    Ok(array.as_array().to_vec())
+    })
 }
 
 fn sample_belt(motion: &Trajectory, times: &[f64]) -> (Vec<f64>, Vec<f64>) {

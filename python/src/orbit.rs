@@ -9,10 +9,10 @@ use pyo3::types::PyIterator;
 use stick_slip::bifurcation::{self, HopfLocus};
 use stick_slip::orbit::{self, Attractor, Branch, BranchPoint, Period, Sensitivities, Sweep};
 use stick_slip::structure::State;
-use stick_slip::{Element, Error, EventKind, Search, Structure};
+use stick_slip::{Element, EventKind, Search, Structure};
 
 use crate::belt::BeltArgument;
-use crate::convert::{ComplexNumbers, Index, Numbers, Table, short};
+use crate::convert::{ComplexNumbers, Count, Index, Numbers, Table, short, within};
 use crate::error::{OrRaise, in_python};
 use crate::family::{AnySystem, Family};
 use crate::motion::{
@@ -64,16 +64,6 @@ impl PyOrbit {
         let count = self.orbit.energy().friction_loss.len();
         within(index, count, "contact")
     }
-}
-
-fn within(index: Index, count: usize, what: &str) -> PyResult<usize> {
-    if index.0 < count {
-        return Ok(index.0);
-    }
-    Err(pyo3::exceptions::PyIndexError::new_err(format!(
-        "no {what} {}: there are {count}, counted from 0",
-        index.0
-    )))
 }
 
 #[pymethods]
@@ -248,24 +238,26 @@ impl PyOrbit {
 
     /// Complex amplitudes of the first n harmonics of the displacement of a coordinate.
     #[pyo3(signature = (n, coordinate = Index(0)), text_signature = "($self, n, coordinate=0)")]
-    fn harmonics(&self, n: usize, coordinate: Index) -> PyResult<ComplexNumbers> {
+    fn harmonics(&self, n: Count, coordinate: Index) -> PyResult<ComplexNumbers> {
         let coordinate = self.coordinate(coordinate)?;
-        Ok(ComplexNumbers(self.orbit.harmonics(coordinate, n)))
+        Ok(ComplexNumbers(self.orbit.harmonics(coordinate, n.0)))
     }
 
     /// Complex amplitudes of the first n harmonics of the velocity of a coordinate.
     #[pyo3(signature = (n, coordinate = Index(0)), text_signature = "($self, n, coordinate=0)")]
-    fn velocity_harmonics(&self, n: usize, coordinate: Index) -> PyResult<ComplexNumbers> {
+    fn velocity_harmonics(&self, n: Count, coordinate: Index) -> PyResult<ComplexNumbers> {
         let coordinate = self.coordinate(coordinate)?;
-        Ok(ComplexNumbers(self.orbit.velocity_harmonics(coordinate, n)))
+        Ok(ComplexNumbers(
+            self.orbit.velocity_harmonics(coordinate, n.0),
+        ))
     }
 
     /// Complex amplitudes of the first n harmonics of the acceleration of a coordinate.
     #[pyo3(signature = (n, coordinate = Index(0)), text_signature = "($self, n, coordinate=0)")]
-    fn acceleration_harmonics(&self, n: usize, coordinate: Index) -> PyResult<ComplexNumbers> {
+    fn acceleration_harmonics(&self, n: Count, coordinate: Index) -> PyResult<ComplexNumbers> {
         let coordinate = self.coordinate(coordinate)?;
         Ok(ComplexNumbers(
-            self.orbit.acceleration_harmonics(coordinate, n),
+            self.orbit.acceleration_harmonics(coordinate, n.0),
         ))
     }
 
@@ -1491,26 +1483,6 @@ fn states(py: Python<'_>, states: &[State]) -> PyResult<Py<PyAny>> {
     Ok((q, v).into_pyobject(py)?.into_any().unbind())
 }
 
-/// The items of a section after those that are skipped, up to a signal.
-fn items<T>(
-    section: impl Iterator<Item = Result<T, Error>>,
-    count: usize,
-    skip: usize,
-    waiting: &Waiting,
-) -> Result<Vec<T>, Error> {
-    let mut found = Vec::new();
-    for (number, item) in section.take(skip.saturating_add(count)).enumerate() {
-        if waiting.is_interrupted() {
-            break;
-        }
-        let item = item?;
-        if number >= skip {
-            found.push(item);
-        }
-    }
-    Ok(found)
-}
-
 /// A Poincare section: the states after each period.
 ///
 /// Args:
@@ -1534,12 +1506,7 @@ pub fn section(
 ) -> PyResult<Py<PyAny>> {
     let system = system.structure().or_raise()?;
     let run = |waiting: &Waiting, _: &Options| {
-        items(
-            orbit::section(&system, &start.0, period),
-            count,
-            skip,
-            waiting,
-        )
+        waiting.items(orbit::section(&system, &start.0, period), skip, count)
     };
     work(py, options(None, None, None), run, |found| {
         states(py, &found)
@@ -1592,7 +1559,7 @@ pub fn section_at(
     let system = system.structure().or_raise()?;
     let run = |waiting: &Waiting, _: &Options| {
         let events = orbit::section_at(&system, &start.0, contact.0, kind);
-        items(events, count, skip, waiting)
+        waiting.items(events, skip, count)
     };
     work(
         py,
@@ -1664,7 +1631,7 @@ pub fn section_through(
     let system = system.structure().or_raise()?;
     let run = |waiting: &Waiting, _: &Options| {
         let passages = orbit::section_through(&system, &start.0, contact.0, speed);
-        items(passages, count, skip, waiting)
+        waiting.items(passages, skip, count)
     };
     work(py, options(None, None, None), run, |found| {
         let passage = |passage: orbit::Passage<State>| Passage {

@@ -151,6 +151,26 @@ impl Waiting {
         })
     }
 
+    /// So many items after those that are skipped, up to a signal.
+    pub fn items<T>(
+        &self,
+        items: impl Iterator<Item = Result<T, Error>>,
+        skip: usize,
+        count: usize,
+    ) -> Result<Vec<T>, Error> {
+        let mut found = Vec::new();
+        for (number, item) in items.take(skip.saturating_add(count)).enumerate() {
+            if self.is_interrupted() {
+                break;
+            }
+            let item = item?;
+            if number >= skip {
+                found.push(item);
+            }
+        }
+        Ok(found)
+    }
+
     /// A search with these bounds, which calls `progress` and ends at a signal.
     pub fn search<'s>(&'s self, options: &'s Options) -> Result<Search<'s>, Error> {
         let mut search = Search::new();

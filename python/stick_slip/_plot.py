@@ -47,7 +47,7 @@ def times_of(motion: Motion, points: int) -> Any:
 
 def stuck(motion: Motion, times: Any, contact: int | None) -> Any:
     """True where the contact sticks; nowhere without a contact."""
-    if contact is None:
+    if contact is None or motion.contacts == 0:
         return np.zeros(times.shape, dtype=bool)
     return motion.modes(times, contact) == 0
 

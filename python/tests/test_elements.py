@@ -162,7 +162,8 @@ def test_a_creeping_contact_keeps_its_digits() -> None:
     # A restart in between has the digits of a motion in one piece.
     rest = fault().simulate(motion.state_at(5e-6), 5e-6, start_time=5e-6)
     assert rest.sliding_velocity(1e-5) == pytest.approx(rates[2], rel=1e-13)
-    assert np.isnan(motion.sliding_velocity(0.0, contact=1))
+    with pytest.raises(IndexError, match="no contact 1"):
+        motion.sliding_velocity(0.0, contact=1)
     # Without the dict the speed is the difference of velocities.
     rounded = fault().simulate(start[:2] + (start[2],), 0.0).sliding_velocity(0.0)
     assert rounded == -1e-9

@@ -126,6 +126,8 @@ def test_ctrl_c_ends_work_and_keeps_what_was_found() -> None:
     assert isinstance(points, ss.Diagram) and len(points) > 10 and delay < 1.0
     (q, _), delay = interrupted(lambda: ss.section(chain(0.2), start, 7.0, 10**7))
     assert q.shape[1] == 4 and delay < 1.0
+    samples, delay = interrupted(lambda: motion.samples(motion.duration / 8e6))
+    assert isinstance(samples, ss.Samples) and len(samples) > 100 and delay < 1.0
 
 
 def test_the_lock_is_released() -> None:

@@ -148,6 +148,44 @@ def test_other_elements_have_the_bits_of_rust(rust: dict[str, list[str]]) -> Non
     assert lines_of(motion, np.arange(31.0)) == rust["elements"]
 
 
+def test_brakes_and_passages_have_the_bits_of_rust(rust: dict[str, list[str]]) -> None:
+    brake = ss.PhysicalMassOnBelt(
+        ss.Stribeck(0.45, 0.35, 0.05, 1),
+        mass=4.0,
+        stiffness=1.0e6,
+        normal_force=800.0,
+        belt_velocity=0.03,
+        damping=20.0,
+    )
+    system = brake.dimensionless
+    # The law at speed 1 is that at the unit of velocity.
+    unit = brake.length * brake.angular_frequency
+    assert system.law.kinetic(1.0) == brake.law.kinetic(unit)
+    numbers = [system.belt_velocity, system.damping, system.load, unit]
+    lines = ["numbers " + bits([*numbers, brake.length, brake.angular_frequency])]
+    cycles = ss.limit_cycles(system)
+    lines += [f"cycle {bits([it.period, it.amplitude, it.multiplier])}" for it in cycles]
+    ranges = ss.vibration_ranges(brake, 0.005, 0.5)
+    lines += [f"range {bits([it.low, it.high])}" for it in ranges]
+    assert len(lines) == 4 and lines == rust["brake"]
+
+    law = ss.RateState(f0=0.6, a=0.01, b=0.015, d_c=8e-3, v0=1e-6)
+    fault = (
+        ss.Structure([3.90625e6])
+        .with_ground_spring(0, 1.5625e7)
+        .with_ground_damper(0, 4.6e6)
+        .with_force(0, 4.6e6 * 1e-9)
+        .with_contact(ss.Contact(0, law, 5e7, belt_velocity=1e-9))
+    )
+    start = ([1.92], [0.0], [6.9], {0: -1.2e-9})
+    lines = []
+    for passage in ss.section_through(fault, start, 0, 1e-10, 5, skip=1):
+        q, v, memory, sliding = passage.state
+        numbers = [passage.time, *q, *v, *memory, sliding[0]]
+        lines.append(f"passage {str(passage.rises).lower()} {bits(numbers)}")
+    assert len(lines) == 5 and lines == rust["passages"]
+
+
 KINDS = {"kv_close": ("close", 0), "kv_open": ("open", 0)}
 
 

@@ -334,6 +334,8 @@ def test_families_peaks_and_changes() -> None:
     assert peak.parameter == pytest.approx(0.9975, abs=0.2 / 64)
     with pytest.raises(IndexError):
         branch.peak(1)
+    with pytest.raises(TypeError, match="do not keep their systems"):
+        peak.orbit.motion.samples(0.1)
     law = ss.Exponential(0.6, 0.3, 0.4)
     sweep = ss.sweep(
         lambda w: ss.MassOnBelt(law, w, damping=0.01), 0.25 * np.arange(1, 17), (0.0, 0.0)

@@ -64,7 +64,8 @@ def test_samples_modes_and_events() -> None:
     assert list(modes) == [-128, -1, 0, -1, 0, -1, -128]
     assert motion.mode_at(events["time"][0]) == "stick"
     assert motion.mode_at(0.0) == "slip" and motion.mode_at(99.0) is None
-    assert motion.mode_at(0.0, 1) is None
+    with pytest.raises(IndexError, match="no contact 1"):
+        motion.mode_at(0.0, 1)
     assert motion.ended == "duration" and motion.end_time == motion.duration == 10.0
     for times in (range(5), [0, 1], np.float32([0.5, 1.5]), np.array([0.5]), [0.5], np.zeros(0)):
         assert motion.sample(times)[0].shape == (len(times),)
@@ -426,3 +427,75 @@ def test_forces_and_drives_of_ones_own() -> None:
     assert (1.0 + bumps)(2e6 + 1.0) == 2.0 and bumps.period == 2.0
     with pytest.raises(ss.ParameterError):
         ss.Drive.function(lambda t: t, size=1.0, timescale=-1.0)
+
+
+def test_what_is_not_there_or_does_not_fit_is_refused() -> None:
+    block = ss.Structure([1.0]).with_ground_spring(0, 1.0)
+    with_contact = block.with_contact(ss.Contact(0, LAW, 1.0, belt_velocity=0.2))
+    belt = ss.MassOnBelt(LAW, 0.2)
+    motions = [belt.simulate((0.0, 0.0), 5.0), with_contact.simulate(([0.1], [0.0]), 5.0)]
+    for motion in motions:
+        assert motion.contacts == 1 and motion.mode_at(99.0) is None
+        with pytest.raises(IndexError, match="no contact 1: there are 1"):
+            motion.modes([0.0], 1)
+        with pytest.raises(IndexError, match="no contact 2"):
+            motion.mode_at(0.0, 2)
+    with pytest.raises(IndexError, match="no contact 1"):
+        motions[1].sliding_velocity([0.0], 1)
+    free = block.simulate(([0.1], [0.0]), 1.0)
+    assert free.contacts == 0
+    with pytest.raises(IndexError, match="no contact 0: there are 0"):
+        free.mode_at(0.5)
+    cycle = ss.stick_slip_cycle(belt)
+    orbit = ss.shoot(belt, cycle.state, estimate=cycle.period)
+    for count in (10**8, 2**62):
+        for call in (cycle.harmonics, cycle.velocity_harmonics, cycle.acceleration_harmonics):
+            with pytest.raises(ValueError, match="too many"):
+                call(count)
+        for call in (orbit.harmonics, orbit.velocity_harmonics, orbit.acceleration_harmonics):
+            with pytest.raises(ValueError, match="too many"):
+                call(count)
+        with pytest.raises(ValueError, match="too many"):
+            ss.analysis.duffing_friction_decay(1.0, 1.0, 1.0, 1e-12, 1e-12, 1.0, count=count)
+    for interval in (5e-324, 1e-9):
+        with pytest.raises(ValueError, match="too many"):
+            motions[1].samples(interval)
+    for interval in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ss.ParameterError):
+            motions[1].samples(interval)
+
+
+def test_what_is_no_real_number_is_refused() -> None:
+    motion = ss.MassOnBelt(LAW, 0.2).simulate((0.0, 0.0), 1.0)
+    calls: list[Any] = [
+        LAW.kinetic,
+        ss.Drive.harmonic(1.0, 2.0),
+        motion.sample,
+        motion.modes,
+        ss.PolynomialSpring,
+        ss.Structure,
+        lambda it: ss.Structure([1.0], stiffness=[it]),
+        lambda it: ss.Tabulated([(0.0, 0.4), it]),
+        lambda it: ss.diagram(ss.MassOnBelt(LAW, 0.2), it),
+    ]
+    for call in calls:
+        for bad in (
+            np.array([1.0 + 2.0j, 1.0]),
+            ["1.0", "2.0"],
+            [None, 1.0],
+            np.array([1.0, "2"], dtype=object),
+            np.array(["2020-01-01"], dtype="datetime64[D]"),
+            b"ab",
+        ):
+            with pytest.raises(TypeError, match="number"):
+                call(bad)
+    for good in ([0, 1], (0.0, 1.0), np.array([0, 1], dtype=np.uint8), np.arange(4.0)[1:3][::-1]):
+        assert np.array_equal(LAW.kinetic(good), LAW.kinetic(np.asarray(good, dtype=float)))
+    assert motion.sample([])[0].shape == (0,) and LAW.kinetic(np.zeros((0, 2))).shape == (0, 2)
+
+
+def test_numbers_are_shown_as_python_shows_them() -> None:
+    for number in (1e20, 1.5e-7, 1e100, -2.5e-300, 0.1, 1e-5, 3.0):
+        assert repr(ss.Drive.constant(number)) == repr(number)
+    long = ss.MassOnBelt(LAW, 0.2).structure().simulate(([0.0], [0.2]), 1.0, start_time=1 / 3e7)
+    assert "from 3.33333e-08 to" in repr(long)

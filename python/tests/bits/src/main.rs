@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use stick_slip::structure::State;
 use stick_slip::{
     Backlash, Contact, Directional, Drive, Element, Error, EventKind, FirstOrder, ForceElement,
-    MassOnBelt, Polynomial, PolynomialSpring, Stribeck, Structure, TabulatedForce, Trajectory,
-    limit_cycle,
+    MassOnBelt, Physical, PhysicalMassOnBelt, Polynomial, PolynomialSpring, RateState, Stribeck,
+    Structure, TabulatedForce, Trajectory, limit_cycle, orbit,
 };
 use stick_slip_tests_common::reading::{cases, numbers, remembering, structure};
 use stick_slip_tests_common::{list, number, system_of};
@@ -137,6 +137,74 @@ fn elements() {
     print(&motion, &json!({ "id": "elements", "states": states }));
 }
 
+/// A brake in SI units and without units: its numbers, cycles and ranges.
+fn brake() {
+    let pad = Physical {
+        mass: 4.0,
+        stiffness: 1.0e6,
+        damping: 20.0,
+        normal_force: 800.0,
+        belt_velocity: 0.03,
+    };
+    let law = Stribeck::new(0.45, 0.35, 0.05, 1).unwrap();
+    let brake = PhysicalMassOnBelt::new(pad, law).unwrap();
+    let (system, scaling) = (brake.dimensionless(), brake.scaling());
+    let numbers = [
+        system.belt_velocity(),
+        system.damping(),
+        system.load(),
+        system.law().velocity_unit(),
+        scaling.length(),
+        scaling.angular_frequency(),
+    ];
+    println!("case brake");
+    println!("numbers {}", bits(&numbers));
+    for cycle in limit_cycle::find(system).unwrap().iter() {
+        let numbers = [cycle.period(), cycle.amplitude(), cycle.multiplier()];
+        println!("cycle {}", bits(&numbers));
+    }
+    for range in brake.vibration_ranges(0.005..0.5).unwrap() {
+        let borders = [range.velocities.start, range.velocities.end];
+        println!("range {}", bits(&borders));
+    }
+}
+
+/// Passages of the sliding speed of a fault, a contact that never sticks.
+fn passages() {
+    let build = || -> Result<Structure, Error> {
+        let law = RateState::aging(0.6, 0.01, 0.015, 8e-3, 1e-6)?;
+        Structure::new(&[3.90625e6])?
+            .with_ground_spring(0, 1.5625e7)?
+            .with_ground_damper(0, 4.6e6)?
+            .with_force(0, 4.6e6 * 1e-9)?
+            .with_contact(Contact::new(0, law, 5e7)?.on_belt(1e-9))
+    };
+    let (fault, start) = (build().unwrap(), State::new(&[1.92], &[0.0]));
+    let start = start.with_memory(&[6.9]).with_sliding(0, -1.2e-9);
+    println!("case passages");
+    for passage in orbit::section_through(&fault, &start, 0, 1e-10)
+        .skip(1)
+        .take(5)
+    {
+        let passage = passage.unwrap();
+        let State {
+            displacements,
+            velocities,
+            memory,
+            ..
+        } = &passage.state;
+        let sliding = passage.state.sliding()[0].1;
+        let numbers = [
+            &[passage.time][..],
+            displacements,
+            velocities,
+            memory,
+            &[sliding],
+        ];
+        println!("passage {} {}", passage.rises, bits(&numbers.concat()));
+    }
+}
+
 /// The least time of nine runs, in seconds.
 fn time<T>(name: &str, run: impl Fn() -> T) {
     let once = || {
@@ -228,5 +296,7 @@ fn main() {
         plain,
     );
     elements();
+    brake();
+    passages();
     times();
 }
