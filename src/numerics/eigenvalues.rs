@@ -4,6 +4,8 @@ use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::sort::sort_by;
+
 /// Sweeps for each eigenvalue; two or three are usual.
 const MOST_SWEEPS: usize = 100;
 
@@ -12,6 +14,12 @@ const MOST_REFLECTIONS: usize = 4;
 
 /// The eigenvalues of a square matrix, by its Schur form; `None` if it holds a number that is not
 /// finite, or if they do not converge.
+///
+/// Eigenvalues that are smaller than the largest by many powers of ten, such as those of a fault
+/// beside the rate at which its speed settles, keep their digits if rows and columns are balanced:
+/// the QR method finds small eigenvalues at the end, where rows are smallest, and an entry below
+/// the diagonal counts as 0 only below ε² of its neighbours, since the entry above the diagonal may
+/// be larger by 1/ε.
 ///
 /// The double-shift QR method does not converge for orthogonal Hessenberg matrices, such as that of
 /// a cyclic permutation, because their shifts are 0. The same matrix in another orthonormal basis,
@@ -26,9 +34,9 @@ pub(crate) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     }
     // Products of two entries must not overflow; a power of two changes no digit.
     let unit = matrix.amax().log2().round().clamp(-1000.0, 1000.0).exp2();
-    let matrix = matrix / unit;
+    let matrix = graded(&(matrix / unit));
     let most = MOST_SWEEPS * order;
-    let mut values = Schur::try_new(matrix.clone(), f64::EPSILON, most);
+    let mut values = Schur::try_new(matrix.clone(), f64::EPSILON.powi(2), most);
     for i in 0..MOST_REFLECTIONS {
         if values.is_some() {
             break;
@@ -39,6 +47,87 @@ pub(crate) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     }
     let values = values?.complex_eigenvalues();
     Some(values.iter().map(|value| value * unit).collect())
+}
+
+/// The matrix with its rows and columns in the order of the largest entries of its rows.
+fn graded(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let sizes: Vec<f64> = matrix.row_iter().map(|row| row.amax()).collect();
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    sort_by(&mut order, |&i| -sizes[i]);
+    DMatrix::from_fn(order.len(), order.len(), |i, j| {
+        matrix[(order[i], order[j])]
+    })
+}
+
+/// The left and the right eigenvector u and w of a simple eigenvalue s, uᴴ A = s uᴴ and A w = s w,
+/// of length 1; `None` if a number overflows.
+///
+/// Inverse iteration: the factors of A − s keep the digits of small rows, which a singular value
+/// decomposition loses beside large ones.
+pub(crate) fn eigenvectors(
+    matrix: &DMatrix<f64>,
+    value: Complex<f64>,
+) -> Option<[DVector<Complex<f64>>; 2]> {
+    /// Two are enough if the eigenvalue is known to rounding.
+    const ITERATIONS: usize = 4;
+    let order = matrix.nrows();
+    // Off the eigenvalue by little more than rounding, so that no pivot is 0.
+    let shift = value * (1.0 + 16.0 * f64::EPSILON);
+    let shifted = DMatrix::from_fn(order, order, |i, j| {
+        let shift = if i == j { shift } else { Complex::ZERO };
+        matrix[(i, j)] - shift
+    });
+    let adjoint = shifted.adjoint().lu();
+    let factors = shifted.lu();
+    let any = |i: usize, _| Complex::cis((1.0 + i as f64).sqrt());
+    let mut vectors = [(); 2].map(|()| DVector::from_fn(order, any).normalize());
+    for _ in 0..ITERATIONS {
+        for (vector, factors) in std::iter::zip(&mut vectors, [&adjoint, &factors]) {
+            let solved = factors.solve(vector)?;
+            let unit = solved.camax();
+            *vector = (solved / Complex::from(unit)).normalize();
+        }
+    }
+    let is_finite = vectors.iter().flatten().all(|x| x.is_finite());
+    is_finite.then_some(vectors)
+}
+
+/// Returns true if the real part of an eigenvalue is at most a part of its terms: its sign is one
+/// of rounding, or nearly so.
+///
+/// A relative change ε of each entry changes an eigenvalue by at most ε |u|ᵀ|A||w|/|uᴴw|, with its
+/// left and right eigenvectors u and w, in any units of rows and columns. This size is much smaller
+/// than the largest eigenvalue if the eigenvalue is one of slow motions beside fast ones.
+///
+/// Source: A. J. Geurts, *Numer. Math.* 39 (1982) 85-96.
+pub(crate) fn is_neutral(
+    matrix: &DMatrix<f64>,
+    values: &[Complex<f64>],
+    value: Complex<f64>,
+    part: f64,
+) -> bool {
+    let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let real = value.re.abs();
+    if real > part * largest {
+        return false;
+    }
+    // No more than the terms.
+    if real <= part * value.norm() {
+        return true;
+    }
+    let Some([u, w]) = eigenvectors(matrix, value) else {
+        return true;
+    };
+    let [sizes, along] = [&u, &w].map(|x| x.map(|x| x.norm()));
+    let terms = sizes.dot(&(matrix.abs() * along)) / u.dotc(&w).norm();
+    !(real > part * terms)
+}
+
+/// The number of eigenvalues in the right half plane, with those of rounding left out.
+pub(crate) fn growing(matrix: &DMatrix<f64>, values: &[Complex<f64>], part: f64) -> usize {
+    let grows =
+        |value: &&Complex<f64>| value.re > 0.0 && !is_neutral(matrix, values, **value, part);
+    values.iter().filter(grows).count()
 }
 
 /// Changes a matrix M to D⁻¹ M D, where the diagonal of D, the result, holds the powers of two for
@@ -174,6 +263,47 @@ mod tests {
                 let units = balance(&mut matrix);
                 assert!(units.iter().all(|unit| unit.is_normal()), "{first}, {step}");
             }
+        }
+    }
+
+    /// x' = v, v' = −k x − d v + c y, y' = v − l y: for a large d, v settles at this rate, and what
+    /// is left is slower by d². On the imaginary axis if (d + l)(k + d l − c) = k l.
+    #[test]
+    fn slow_eigenvalues_keep_their_digits_beside_fast_ones() {
+        let (l, d_squared_l) = (1.25e-7, 15.0);
+        for decades in 0..10 {
+            let l = l * 10_f64.powi(-decades);
+            let d: f64 = d_squared_l / l;
+            let frequency = 0.7 * l;
+            let (k, c) = (
+                frequency.powi(2) * (d + l) / l,
+                frequency.powi(2) * (d + l) / l,
+            );
+            let c = c + d * l - frequency.powi(2);
+            let mut matrix =
+                DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, -k, -d, c, 0.0, 1.0, -l]);
+            let _ = balance(&mut matrix);
+            let values = eigenvalues(matrix.clone()).unwrap();
+            let pair: Vec<_> = values.iter().filter(|value| value.norm() < 1.0).collect();
+            assert_eq!(pair.len(), 2, "{values:?}");
+            for value in &pair {
+                // Each entry has an error of ε; c is one of d l.
+                assert!(value.re.abs() < 1e-14 * frequency, "{l:e}: {value}");
+                assert!((value.im.abs() / frequency - 1.0).abs() < 1e-14, "{value}");
+                assert!(is_neutral(&matrix, &values, **value, 1e-12));
+            }
+            // Moved off the axis by a millionth of the frequency.
+            let mut moved = matrix.clone();
+            moved[(2, 2)] += 2e-6 * frequency;
+            let values = eigenvalues(moved.clone()).unwrap();
+            assert_eq!(growing(&moved, &values, 1e-10), 2, "{values:?}");
+            let [u, w] = eigenvectors(&matrix, Complex::new(0.0, pair[0].im)).unwrap();
+            let off = &matrix.map(Complex::from) * &w - &w * Complex::new(0.0, pair[0].im);
+            let terms = matrix.abs() * w.map(|x| x.norm());
+            for (off, terms) in std::iter::zip(&off, &terms) {
+                assert!(off.norm() < 1e-13 * terms, "{off} {terms:e}");
+            }
+            assert!(u.iter().chain(&w).all(|x| x.is_finite()));
         }
     }
 

@@ -182,7 +182,7 @@ impl Curve<'_> {
 
     /// The eigenvalues of steady sliding at a value of the parameter.
     pub(super) fn spectrum(&self, parameter: f64) -> Result<Vec<Complex<f64>>, Error> {
-        spectrum(&self.member(parameter)?.form())
+        Ok(spectrum(&self.member(parameter)?.form())?.values)
     }
 
     fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {

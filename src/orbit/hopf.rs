@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::branch::BranchPoint;
@@ -14,18 +14,19 @@ use super::map::vector;
 use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
 use super::phase_condition::{FrozenStart, PhaseCondition};
-use super::spectrum::{ROUNDING, hopf_point, spectrum};
+use super::spectrum::{hopf_point, spectrum};
 use super::translation::Turning;
 use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::error::Error;
 use crate::motion::AttractorKind;
 use crate::numerics::bracket::{Bracket, border};
-use crate::numerics::eigenvalues::balance;
+use crate::numerics::eigenvalues::{balance, eigenvectors};
 use crate::numerics::trace::Plane;
 use crate::search::Search;
 use crate::state::structure::State;
 use crate::structure::sliding_field::SlidingField;
+use crate::structure::sliding_field::spectrum::Spectrum;
 
 /// Amplitudes of the first motion, in units of the sliding velocities (and of the memory
 /// variables).
@@ -41,15 +42,8 @@ fn spectrum_at<S: Oscillator>(
 ) -> Result<Vec<Complex<f64>>, Error> {
     let of = "orbit::begin";
     let checked = Error::check(of, "parameter", parameter, true, "a number")?;
-    let find = || spectrum(&family(checked)?.form());
-    find().map_err(|error| error.at("parameter", parameter))
-}
-
-/// The number of eigenvalues in the right half plane.
-fn unstable(values: &[Complex<f64>]) -> usize {
-    let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-    let unstable = values.iter().filter(|value| value.re > ROUNDING * largest);
-    unstable.count()
+    let find = || Ok(spectrum(&family(checked)?.form())?.values);
+    find().map_err(|error: Error| error.at("parameter", parameter))
 }
 
 /// A value of the parameter at which steady sliding changes its stability.
@@ -63,8 +57,7 @@ pub(super) struct Crossing {
 /// The equilibrium of a system with all masses at rest: contacts on surfaces that move slide, and
 /// the others stick.
 pub(super) struct Standing {
-    /// The eigenvalues, by falling real part.
-    eigenvalues: Vec<Complex<f64>>,
+    spectrum: Spectrum,
     /// The contacts that stick.
     sticking: Vec<usize>,
     /// True if no contact slides.
@@ -84,7 +77,7 @@ impl Standing {
         }
         if !sticks {
             return Some(Self {
-                eigenvalues: spectrum(form).ok()?,
+                spectrum: spectrum(form).ok()?,
                 sticking: Vec::new(),
                 rests: !slides,
                 is_one_of_many: false,
@@ -95,7 +88,7 @@ impl Standing {
             return None;
         }
         Some(Self {
-            eigenvalues: field.eigenvalues()?.0,
+            spectrum: field.eigenvalues()?.0,
             sticking: field.sticking(),
             rests: !slides,
             is_one_of_many: field.is_one_of_many(),
@@ -112,7 +105,7 @@ impl Standing {
 
     /// Returns true if no equilibrium of this kind attracts.
     pub(super) fn repels(&self) -> bool {
-        unstable(&self.eigenvalues) > 0 && !self.is_one_of_many
+        self.spectrum.growing > 0 && !self.is_one_of_many
     }
 }
 
@@ -135,10 +128,10 @@ pub(super) fn steady_along<S: Oscillator>(family: &Systems<'_, S>, places: &[f64
     let at = |parameter: f64| Standing::of(&family(parameter).ok()?.form());
     let facts = |parameter: f64| -> Facts {
         let found = at(parameter)?;
-        let (kind, unstable) = (found.kind(), unstable(&found.eigenvalues));
-        Some((found.sticking, kind, unstable))
+        let kind = found.kind();
+        Some((found.sticking, kind, found.spectrum.growing))
     };
-    let spectrum = |parameter: f64| Some(at(parameter)?.eigenvalues);
+    let spectrum = |parameter: f64| Some(at(parameter)?.spectrum.values);
     let mut add = |from: f64, to: f64, facts: &Facts| {
         let Some((_, kind, 0)) = facts else {
             return;
@@ -186,12 +179,12 @@ pub(super) fn steady_along<S: Oscillator>(family: &Systems<'_, S>, places: &[f64
     along
 }
 
-type Spectrum<'s> = dyn Fn(f64) -> Option<Vec<Complex<f64>>> + 's;
+type SpectrumAt<'s> = dyn Fn(f64) -> Option<Vec<Complex<f64>>> + 's;
 
 /// The place at which one more or one less eigenvalue is unstable, the number of unstable ones
 /// behind it, and the crossing.
 fn sign_change(
-    at: &Spectrum<'_>,
+    at: &SpectrumAt<'_>,
     (low, high): (f64, f64),
     (from, to): (usize, usize),
 ) -> Option<(f64, usize, Crossing)> {
@@ -339,19 +332,11 @@ impl Born {
         let field = SlidingField::of(form.model())?;
         let mut matrix = field.jacobian();
         let units = balance(&mut matrix);
-        let (n, order) = (form.len(), form.order());
-        let shifted = DMatrix::from_fn(order, order, |i, j| {
-            let shift = if i == j { frequency } else { 0.0 };
-            Complex::new(matrix[(i, j)], -shift)
-        });
-        let svd = shifted.try_svd(true, true, f64::EPSILON, 1000 * order);
-        let svd = svd.ok_or(Error::NoHopfPoint)?;
-        let least = svd.singular_values.argmin().0;
-        let (Some(left), Some(right)) = (&svd.u, &svd.v_t) else {
-            return Err(Error::NoHopfPoint);
-        };
-        let q = DVector::from_fn(order, |i, _| right[(least, i)].conj() * units[i]);
-        let u = DVector::from_fn(order, |i, _| left[(i, least)] / units[i]);
+        let n = form.len();
+        let vectors = eigenvectors(&matrix, Complex::new(0.0, frequency));
+        let [u, q] = vectors.ok_or(Error::NoHopfPoint)?;
+        let q = q.zip_map(&units, |x, unit| x * unit);
+        let u = u.zip_map(&units, |x, unit| x / unit);
         let u = &u / u.dotc(&q).conj();
         let turning = q.rows(n, n).map(|v| v.norm()).argmax().0;
         let turn = Complex::cis(FRAC_PI_2 - q[n + turning].arg());

@@ -4,12 +4,11 @@ use num_complex::Complex;
 
 use super::form::GeneralForm;
 use crate::error::Error;
-use crate::numerics::eigenvalues::{balance, eigenvalues};
-use crate::numerics::sort::sort_by;
 use crate::structure::sliding_field::SlidingField;
+use crate::structure::sliding_field::spectrum::Spectrum;
 
-/// Real parts below this part of the largest eigenvalue count as 0.
-pub(super) const ROUNDING: f64 = 1e-10;
+/// The largest real part, in units of the frequency, of a pair on the imaginary axis.
+const ROUNDING: f64 = 1e-10;
 
 /// The largest growth rate, in units of the frequency, of a pair near a Hopf point.
 const NEAR: f64 = 0.2;
@@ -20,17 +19,10 @@ const INCREMENT: f64 = 1e-6;
 /// Limit of steps of the secant method; five or six are usual.
 const MOST_STEPS: usize = 40;
 
-/// The eigenvalues of steady sliding, by falling real part.
-pub(super) fn spectrum(form: &GeneralForm<'_>) -> Result<Vec<Complex<f64>>, Error> {
-    let mut matrix = SlidingField::of(form.model())?.jacobian();
-    if !matrix.iter().all(|entry| entry.is_finite()) {
-        return Err(Error::NoHopfPoint);
-    }
-    let _ = balance(&mut matrix);
-    let mut values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
-    sort_by(&mut values, |value| -value.im);
-    sort_by(&mut values, |value| -value.re);
-    Ok(values)
+/// The eigenvalues of steady sliding.
+pub(super) fn spectrum(form: &GeneralForm<'_>) -> Result<Spectrum, Error> {
+    let matrix = SlidingField::of(form.model())?.jacobian();
+    Spectrum::of(matrix).ok_or(Error::NoHopfPoint)
 }
 
 /// The Hopf point near a value of the parameter, with its frequency.

@@ -2,7 +2,7 @@
 //! and third order.
 
 mod find;
-mod spectrum;
+pub(crate) mod spectrum;
 
 use nalgebra::{DMatrix, DVector};
 

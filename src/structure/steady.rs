@@ -33,8 +33,9 @@ use crate::error::{Error, NotSliding};
 ///
 /// For n coordinates the eigenvalues come from the Schur form of a 2n × 2n matrix. Each memory
 /// variable, and each first-order state, adds a row and a column to this matrix. The error of an
-/// eigenvalue is about nε times the largest eigenvalue (ε = 2.2e-16). The error grows to √(nε)
-/// times the largest eigenvalue if two eigenvalues nearly coincide. The work grows as n³.
+/// eigenvalue is about nε times the largest eigenvalue (ε = 2.2e-16), and less for slow motions
+/// beside velocities that settle at once, such as those of a fault. The error grows to √(nε) times
+/// the largest eigenvalue if two eigenvalues nearly coincide. The work grows as n³.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -185,8 +186,8 @@ impl SteadySliding {
     /// Near steady sliding.
     pub(super) fn of(field: SlidingField<'_, '_>) -> Result<Self, Error> {
         let found = field.eigenvalues();
-        let (mut eigenvalues, idle) =
-            found.ok_or(Error::NoSteadySliding(NotSliding::Eigenvalues))?;
+        let (spectrum, idle) = found.ok_or(Error::NoSteadySliding(NotSliding::Eigenvalues))?;
+        let mut eigenvalues = spectrum.values;
         let forgotten = Complex::new(f64::NEG_INFINITY, 0.0);
         eigenvalues.extend(std::iter::repeat_n(forgotten, idle));
         Ok(Self {

@@ -32,6 +32,7 @@ mod opening;
 mod random_sensitivities;
 mod ranges;
 mod rate_state;
+mod rate_state_searches;
 mod references;
 mod retracing;
 mod seam;

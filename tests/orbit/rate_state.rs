@@ -233,6 +233,41 @@ fn multipliers_of_quakes_are_those_of_return_maps() {
     }
 }
 
+/// The spring-block cycle that the published program QDYN has frozen in its tests (Y. Luo and
+/// others, `test/stickslip.py`, results `5ba3c6b008`): 15 periods between the times at which
+/// friction rises through 0.5, 0.55, 0.6 and 0.65, interpolated in its 7 digits, have the mean
+/// 585.48391(1). QDYN has no inertia, and a logarithm where the crate has arsinh.
+#[test]
+fn a_cycle_has_the_period_of_qdyn() {
+    let (stress, modulus, plate) = (5e6, 2e10, 1e-6);
+    let (stiffness, radiation) = (modulus / 10.0, modulus / (2.0 * 3000.0));
+    let law = RateState::aging(0.6, 0.01, 0.025, 1e-5, 1e-6).unwrap();
+    let periods = [1e-7, 1e-9].map(|part| {
+        let mass = part * radiation * radiation / stiffness;
+        let block = Structure::new(&[mass])
+            .and_then(|block| block.with_ground_spring(0, stiffness))
+            .and_then(|block| block.with_ground_damper(0, radiation))
+            .and_then(|block| block.with_force(0, radiation * plate))
+            .and_then(|block| block.with_contact(Contact::new(0, law, stress)?.on_belt(plate)))
+            .unwrap();
+        let start = State::new(&[0.63 * stress / stiffness], &[0.0])
+            .with_memory(&[0.0])
+            .with_sliding(0, -0.9 * plate);
+        // Where the block becomes slow after a quake.
+        let slow = section_through(&block, &start, 0, 0.1 * plate).map(Result::unwrap);
+        let slow: Vec<_> = slow
+            .filter(|passage| !passage.rises)
+            .skip(2)
+            .take(2)
+            .collect();
+        let guess = Period::Free(slow[1].time - slow[0].time);
+        shoot(&block, &slow[1].state, guess).unwrap().period()
+    });
+    let [heavier, light] = periods;
+    assert!((light - 585.48391).abs() < 3e-5, "{light}");
+    assert!((heavier / light - 1.0).abs() < 1e-7, "{heavier} {light}");
+}
+
 /// In units of N, D_c and V_p; with the damping of radiation the Hopf point is supercritical: the
 /// cycle shrinks to it where the stiffness reaches the critical one.
 #[test]

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::error::Error;
-use crate::numerics::eigenvalues::{balance, eigenvalues};
+use crate::numerics::eigenvalues::{balance, eigenvalues, is_neutral};
 use crate::numerics::trace::{Equations, Point};
 use crate::orbit::FamilyOfTwo;
 use crate::structure::sliding_field::SlidingField;
@@ -49,7 +49,7 @@ pub(super) struct Bordered {
 /// Increments of a parameter for derivatives, in units of its range: about the third root of ε.
 const PART: f64 = 6e-6;
 
-/// Other real parts, in units of the largest eigenvalue, that are rounding.
+/// Other real parts, in units of their terms, that are rounding.
 const ROUNDING: f64 = 1e-12;
 
 const I: Complex<f64> = Complex::new(0.0, 1.0);
@@ -237,7 +237,8 @@ impl Bordered {
             .iter()
             .map(|value| value.norm())
             .fold(0.0, f64::max);
-        let is_rounding = |value: &Complex<f64>| value.re.abs() <= ROUNDING * largest;
+        let is_rounding =
+            |value: &Complex<f64>| is_neutral(&self.matrix, &self.others, *value, ROUNDING);
         if self.others.iter().any(is_rounding) {
             0.0
         } else {

@@ -10,7 +10,7 @@ use num_complex::Complex;
 use self::equations::{Bordered, HopfPoints};
 use crate::belt::Criticality;
 use crate::error::Error;
-use crate::numerics::eigenvalues::eigenvalues;
+use crate::numerics::eigenvalues::{eigenvalues, growing};
 use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
 use crate::orbit::{LocusEnd, Oscillator, SpecialKind, member};
 
@@ -220,10 +220,8 @@ impl GridSearch<'_> {
 
     fn unstable(&self, place: [f64; 2]) -> Node {
         let (matrix, _) = self.points.balanced(place)?;
-        let values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
-        let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-        let unstable = values.iter().filter(|value| value.re > ROUNDING * largest);
-        Ok(unstable.count())
+        let values = eigenvalues(matrix.clone()).ok_or(Error::NoHopfPoint)?;
+        Ok(growing(&matrix, &values, ROUNDING))
     }
 
     /// Finds the curve that crosses an edge of the grid, unless it is known.
@@ -252,7 +250,8 @@ impl GridSearch<'_> {
         let (matrix, _) = self.points.balanced(place).ok()?;
         let values = eigenvalues(matrix)?;
         let oscillating = values.iter().filter(|value| value.im > 0.0);
-        let nearest = oscillating.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
+        let off = |value: &Complex<f64>| (value.re / value.im).abs();
+        let nearest = oscillating.min_by(|a, b| off(a).total_cmp(&off(b)))?;
         let begun = self.points.begun(place, nearest.im).ok()?;
         let guess = DVector::from_column_slice(&[place[0], place[1], nearest.im]);
         let scale = self.points.scale(&guess, &begun);

@@ -34,8 +34,9 @@ use crate::scalar::Scalar;
 ///
 /// [`shoot`](crate::orbit::shoot) finds cycles best from a state between two earthquakes, such as
 /// that in which [`section_through`](crate::orbit::section_through) sees the contact become slow.
-/// Its multipliers have an error of some 1e-12. The eigenvalues of steady sliding have that of
-/// rounding beside the rate N a/(m V).
+/// Its multipliers have an error of some 1e-12. The eigenvalues of steady sliding keep their digits
+/// beside the rate N a/(m V), however large: [`begin`](crate::orbit::begin) and
+/// [`hopf_locus`](crate::bifurcation::hopf_locus()) find the critical stiffness at any speed.
 ///
 /// Sources: J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (aging); A. Ruina, *J. Geophys.
 /// Res.* 88 (1983) 10359-10370 (slip); J. R. Rice, N. Lapusta, K. Ranjith, *J. Mech. Phys. Solids*

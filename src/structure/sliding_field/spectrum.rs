@@ -3,21 +3,67 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::super::equilibrium::{ROUNDING, inverse_mass_times};
+use super::super::equilibrium::{self, inverse_mass_times};
 use super::super::freedom::{direction_row, elastic_rows, null_space, rate_rows, units};
 use super::{Slides, SlidingField};
-use crate::numerics::eigenvalues::{balance, eigenvalues as eigenvalues_of};
+use crate::numerics::eigenvalues::{balance, eigenvalues as eigenvalues_of, growing};
 use crate::numerics::sort::sort_by;
 
+/// Real parts below this part of their terms count as 0.
+const ROUNDING: f64 = 1e-10;
+
+/// Eigenvalues of steady sliding.
+pub(crate) struct Spectrum {
+    /// By falling real part, then by falling imaginary part.
+    pub(crate) values: Vec<Complex<f64>>,
+    /// The number of them in the right half plane, with those of rounding left out.
+    pub(crate) growing: usize,
+}
+
+impl Spectrum {
+    /// `None` if the matrix holds a number that is not finite, or if they do not converge.
+    pub(crate) fn of(mut matrix: DMatrix<f64>) -> Option<Self> {
+        if !matrix.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let _ = balance(&mut matrix);
+        let values = eigenvalues_of(matrix.clone())?;
+        let growing = growing(&matrix, &values, ROUNDING);
+        Some(Self::sorted(values, growing))
+    }
+
+    /// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are
+    /// exactly 0.
+    fn undamped(stiffness: DMatrix<f64>) -> Option<Self> {
+        let squares = eigenvalues_of(stiffness)?;
+        let roots = squares.iter().map(|&square| (-square).sqrt());
+        let values: Vec<_> = roots.flat_map(|root| [root, -root]).collect();
+        let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let grows = |value: &&Complex<f64>| value.re > ROUNDING * largest;
+        let growing = values.iter().filter(grows).count();
+        Some(Self::sorted(values, growing))
+    }
+
+    fn sorted(mut values: Vec<Complex<f64>>, growing: usize) -> Self {
+        // No −0, which would sort after 0.
+        for value in values.iter_mut() {
+            *value += Complex::new(0.0, 0.0);
+        }
+        sort_by(&mut values, |value| -value.im);
+        sort_by(&mut values, |value| -value.re);
+        Self { values, growing }
+    }
+}
+
 impl SlidingField<'_, '_> {
-    /// The eigenvalues, without the zeros of rigid-body motions, by falling real part, and the
-    /// number of memory variables without influence; `None` if they do not converge.
+    /// The eigenvalues, without the zeros of rigid-body motions, and the number of memory variables
+    /// without influence; `None` if they do not converge.
     ///
     /// Displacements and velocities are in units of one energy. Rigid contacts that stick leave the
     /// perturbations b·δv = 0 only, and take the part P = 1 − X(BᵀX)⁻¹Bᵀ, X = M⁻¹B, of
     /// accelerations. Displacements along which no force changes, and velocities along which none
     /// changes, are left out: the matrix of the others has the remaining eigenvalues.
-    pub(crate) fn eigenvalues(&self) -> Option<(Vec<Complex<f64>>, usize)> {
+    pub(crate) fn eigenvalues(&self) -> Option<(Spectrum, usize)> {
         let (model, n) = (self.model, self.model.len());
         let units = units(model);
         let scaled = |row: &DVector<f64>| DVector::from_fn(n, |j, _| row[j] * units[j]);
@@ -72,8 +118,8 @@ impl SlidingField<'_, '_> {
         let elastic = &kept * matrix.view((n, 0), (n, n)) * &displacements;
         let damping = &kept * matrix.view((n, n), (n, n)) * &velocities;
         let same = displacements.ncols() == velocities.ncols();
-        let mut values = if active.is_empty() && same && damping.iter().all(|c| *c == 0.0) {
-            undamped(-elastic)?
+        let spectrum = if active.is_empty() && same && damping.iter().all(|c| *c == 0.0) {
+            Spectrum::undamped(-elastic)?
         } else {
             let [m, k] = [&displacements, &velocities].map(DMatrix::ncols);
             let order = m + k + active.len();
@@ -93,14 +139,9 @@ impl SlidingField<'_, '_> {
                     reduced[(m + k + j, m + k + l)] = matrix[(z, other)];
                 }
             }
-            if !reduced.iter().all(|x| x.is_finite()) {
-                return None;
-            }
-            let _ = balance(&mut reduced);
-            eigenvalues_of(reduced)?
+            Spectrum::of(reduced)?
         };
-        sort(&mut values);
-        Some((values, idle))
+        Some((spectrum, idle))
     }
 
     /// P in units of one energy.
@@ -116,7 +157,7 @@ impl SlidingField<'_, '_> {
             .map(|b| inverse_mass_times(self.model, units, &b.into_owned()));
         let responses = DMatrix::from_columns(&responses.collect::<Vec<_>>());
         let compliance = along.transpose() * &responses;
-        let least = ROUNDING * compliance.amax();
+        let least = equilibrium::ROUNDING * compliance.amax();
         let inverse = compliance.pseudo_inverse(least).ok()?;
         Some(identity - responses * inverse * along.transpose())
     }
@@ -136,25 +177,7 @@ fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<
     }
     let eigen = squares.symmetric_eigen();
     let largest = eigen.eigenvalues.amax();
-    let is_normal = |i: &usize| eigen.eigenvalues[*i] <= ROUNDING * largest;
+    let is_normal = |i: &usize| eigen.eigenvalues[*i] <= equilibrium::ROUNDING * largest;
     let normal: Vec<usize> = (0..n).filter(is_normal).collect();
     eigen.eigenvectors.select_columns(&normal)
-}
-
-/// Eigenvalues s of s² + K: s² = −λ of K alone, so that the real parts of a symmetric K are exactly
-/// 0.
-fn undamped(stiffness: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let squares = eigenvalues_of(stiffness)?;
-    let roots = squares.iter().map(|&square| (-square).sqrt());
-    Some(roots.flat_map(|root| [root, -root]).collect())
-}
-
-/// Sorts by falling real part, then by falling imaginary part.
-fn sort(values: &mut [Complex<f64>]) {
-    // No −0, which would sort after 0.
-    for value in values.iter_mut() {
-        *value += Complex::new(0.0, 0.0);
-    }
-    sort_by(values, |value| -value.im);
-    sort_by(values, |value| -value.re);
 }
