@@ -251,6 +251,8 @@ fn advance<const W: usize>(
     const SHORTEST: f64 = 1e-9;
     /// A number of orders of which none overflows.
     const FEWEST: usize = 7;
+    /// A part of the time in which velocities settle: the length of a step of so few orders.
+    const OF_SETTLING: f64 = 1e-3;
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
     // At the start of a line of the cache: registers as long as a line are loaded at once from
@@ -307,7 +309,7 @@ fn advance<const W: usize>(
         left -= part;
         terms = equations.terms_for(left, part);
         let reached = || reached(h - left);
-        if part < SHORTEST * h && stiffest * part < 1.0 {
+        if part < SHORTEST * h && stiffest * part < OF_SETTLING {
             return Err(form.too_many(reached()));
         }
         form.count(&reached)?;
