@@ -270,16 +270,12 @@ mod tests {
     /// is left is slower by d². On the imaginary axis if (d + l)(k + d l − c) = k l.
     #[test]
     fn slow_eigenvalues_keep_their_digits_beside_fast_ones() {
-        let (l, d_squared_l) = (1.25e-7, 15.0);
         for decades in 0..10 {
-            let l = l * 10_f64.powi(-decades);
-            let d: f64 = d_squared_l / l;
+            let l = 1.25e-7 * 10_f64.powi(-decades);
+            let d: f64 = 15.0 / l;
             let frequency = 0.7 * l;
-            let (k, c) = (
-                frequency.powi(2) * (d + l) / l,
-                frequency.powi(2) * (d + l) / l,
-            );
-            let c = c + d * l - frequency.powi(2);
+            let k = frequency.powi(2) * (d + l) / l;
+            let c = k + d * l - frequency.powi(2);
             let mut matrix =
                 DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, -k, -d, c, 0.0, 1.0, -l]);
             let _ = balance(&mut matrix);

@@ -100,31 +100,57 @@ pub fn corrections<const N: usize>(
     (y, h): (&[f64; N], f64),
     slopes: &[[f64; N]; STAGES],
 ) -> [[f64; N]; STAGES] {
-    let all = N * STAGES;
-    let (mut matrix, mut right) = (vec![vec![0.0; all]; all], vec![0.0; all]);
+    let of = |at: &[f64]| -> [f64; N] { at.try_into().unwrap() };
+    let found = newton(
+        a,
+        &|at, rate| rate.copy_from_slice(&rates(&of(at))),
+        &|at, by| increment(&of(at), by),
+        (y, h),
+        slopes.as_flattened(),
+    );
+    std::array::from_fn(|i| std::array::from_fn(|n| found[N * i + n]))
+}
+
+/// The same for any size: compiled here, with the level of this package.
+fn newton(
+    a: &Matrix,
+    rates: &dyn Fn(&[f64], &mut [f64]),
+    increment: &dyn Fn(&[f64], usize) -> f64,
+    (y, h): (&[f64], f64),
+    slopes: &[f64],
+) -> Vec<f64> {
+    let size = y.len();
+    let all = size * STAGES;
+    let (mut matrix, mut right) = (vec![0.0; all * all], vec![0.0; all]);
+    let [mut at, mut here, mut there] = [(); 3].map(|()| vec![0.0; size]);
     for i in 0..STAGES {
-        let at = stage(a, y, h, slopes, i);
-        let here = rates(&at);
-        for n in 0..N {
-            right[N * i + n] = here[n] - slopes[i][n];
-            matrix[N * i + n][N * i + n] += 1.0;
+        for n in 0..size {
+            let sum: f64 = (0..STAGES).map(|j| a[i][j] * slopes[size * j + n]).sum();
+            at[n] = y[n] + h * sum;
         }
-        for by in 0..N {
-            let mut moved = at;
-            moved[by] += increment(&at, by);
-            let change = moved[by] - at[by];
-            let there = rates(&moved);
-            for n in 0..N {
+        rates(&at, &mut here);
+        for n in 0..size {
+            let row = size * i + n;
+            right[row] = here[n] - slopes[row];
+            matrix[all * row + row] += 1.0;
+        }
+        for by in 0..size {
+            let place = at[by];
+            at[by] += increment(&at, by);
+            let change = at[by] - place;
+            rates(&at, &mut there);
+            at[by] = place;
+            for n in 0..size {
                 let slope = (there[n] - here[n]) / change;
                 for j in 0..STAGES {
-                    matrix[N * i + n][N * j + by] -= h * a[i][j] * slope;
+                    matrix[all * (size * i + n) + size * j + by] -= h * a[i][j] * slope;
                 }
             }
         }
     }
-    let mut rows: Vec<&mut [f64]> = matrix.iter_mut().map(|row| &mut row[..]).collect();
+    let mut rows: Vec<&mut [f64]> = matrix.chunks_mut(all).collect();
     eliminate(&mut rows, &mut right);
-    std::array::from_fn(|i| std::array::from_fn(|n| right[N * i + n]))
+    right
 }
 
 /// Solves a linear system by elimination with pivots.
@@ -134,7 +160,7 @@ pub fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] 
     b
 }
 
-/// The same for any size: compiled here, with the level of this package.
+/// Elimination for any size.
 fn eliminate(a: &mut [&mut [f64]], b: &mut [f64]) {
     let n = b.len();
     for k in 0..n {

@@ -46,7 +46,7 @@ impl Spectrum {
 
     fn sorted(mut values: Vec<Complex<f64>>, growing: usize) -> Self {
         // No −0, which would sort after 0.
-        for value in values.iter_mut() {
+        for value in &mut values {
             *value += Complex::new(0.0, 0.0);
         }
         sort_by(&mut values, |value| -value.im);
