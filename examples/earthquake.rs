@@ -8,8 +8,9 @@
 //! * the displacement is the stretch of the spring, and the surface moves with the plate, so that
 //!   no number grows with time. The damping by radiated waves acts on the sliding speed: a force
 //!   η V_p beside a damper η;
-//! * `orbit::shoot` finds the cycle; its second multiplier says how much of a disturbance is left
-//!   after an earthquake;
+//! * `orbit::section_through` finds where the fault becomes slow, a good guess for `orbit::shoot`,
+//!   which finds the cycle; its second multiplier says how much of a disturbance is left after an
+//!   earthquake;
 //! * below the critical stiffness the fault is unstable. The formula for the stress drop
 //!   (`analysis::rate_state`) leaves out inertia, which nearly doubles it.
 //!
@@ -21,14 +22,14 @@
 //! Run it with `cargo run --release -p stick-slip-examples --example earthquake`.
 
 use stick_slip::analysis::rate_state::stress_drop;
-use stick_slip::orbit::{self, Orbit, Period};
+use stick_slip::orbit::{self, Orbit, Passage, Period};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Error, Integrator, RateState, Segment, Structure};
+use stick_slip::{Contact, Error, RateState, Segment, Structure};
 
-const YEAR: f64 = 365.25 * 86400.0;
+pub(crate) const YEAR: f64 = 365.25 * 86400.0;
 /// Normal stress, N/m²; velocity of the plate, m/s; damping by radiation, N·s/m³.
 const NORMAL: f64 = 5e7;
-const PLATE: f64 = 1e-9;
+pub(crate) const PLATE: f64 = 1e-9;
 const RADIATION: f64 = 4.6e6;
 /// Angular frequency √(k/m) at the critical stiffness, 1/s.
 const INERTIA: f64 = 2.0;
@@ -47,28 +48,22 @@ fn fault(stiffness: f64, mass: f64) -> Result<Structure, Error> {
 }
 
 /// The sliding speed, which is known to all its digits.
-fn speed(state: &State) -> f64 {
+pub(crate) fn speed(state: &State) -> f64 {
     let creeping = state.sliding().first();
     creeping.map_or(PLATE - state.velocities[0], |(_, velocity)| velocity.abs())
 }
 
-/// Time between the last two of some earthquakes, and a state on the way to the next: nearly those
-/// of the cycle.
-fn later(fault: &Structure, start: State) -> Result<(f64, State), Error> {
-    let mut begins = Vec::new();
-    for step in Integrator::new().flow(fault, start)? {
-        let step = step?;
-        let passed = step.first_zero(|state| speed(state) / PLATE - 1.0);
-        if passed.is_some() && speed(&step.end_state()) > PLATE {
-            begins.extend(passed);
-        }
-        if let [.., one, other] = begins[5.min(begins.len())..]
-            && step.end_time() > other + 0.3 * (other - one)
-        {
-            return Ok((other - one, step.end_state()));
-        }
-    }
-    Err(Error::AtRest)
+/// Time between two of the earthquakes after the first five, and the state in which the fault
+/// becomes slow after them: nearly those of the cycle.
+fn later(fault: &Structure, start: &State) -> Result<(f64, State), Error> {
+    let passages = orbit::section_through(fault, start, 0, 1e-3 * PLATE);
+    let is_slower = |passage: &Result<Passage<State>, Error>| {
+        passage.as_ref().map_or(true, |passage| !passage.rises)
+    };
+    let mut slower = passages.filter(is_slower).skip(5);
+    let mut next = || slower.next().unwrap_or(Err(Error::AtRest));
+    let (one, other) = (next()?, next()?);
+    Ok((other.time - one.time, other.state))
 }
 
 /// The speed at the middle of each part of a period, and the largest and the least of all.
@@ -87,25 +82,42 @@ fn speeds(fault: &Structure, orbit: &Orbit<State>) -> Result<(Vec<f64>, [f64; 2]
     Ok((states.map(|state| speed(&state)).collect(), range))
 }
 
-fn main() -> Result<(), Error> {
-    let law = law()?;
+/// The stiffness at which steady sliding becomes unstable, and the mass, whatever the stiffness.
+fn critical(law: &RateState) -> (f64, f64) {
     let massless = law.critical_stiffness(NORMAL, PLATE, 0.0, RADIATION);
     let mass = massless.map_or(0.0, |stiffness| stiffness / INERTIA.powi(2));
     let critical = law.critical_stiffness(NORMAL, PLATE, mass, RADIATION);
-    let critical = critical.expect("b > a: the fault weakens with the speed");
+    (
+        critical.expect("b > a: the fault weakens with the speed"),
+        mass,
+    )
+}
+
+/// The cycle of a fault with a part of the critical stiffness.
+pub(crate) fn cycle(part: f64) -> Result<(Structure, Orbit<State>), Error> {
+    let law = law()?;
+    let (critical, mass) = critical(&law);
+    let stiffness = part * critical;
+    let fault = fault(stiffness, mass)?;
+    let start = State::new(&[0.9 * NORMAL * law.steady(PLATE) / stiffness], &[0.0])
+        .with_memory(&[law.memory_at(PLATE)]);
+    let (guess, state) = later(&fault, &start)?;
+    let orbit = orbit::shoot(&fault, &state, Period::Free(guess))?;
+    Ok((fault, orbit))
+}
+
+fn main() -> Result<(), Error> {
+    let law = law()?;
+    let (critical, _) = critical(&law);
     println!("critical stiffness {:.5} MPa/m", critical * 1e-6);
     println!("  k/k_c   recurrence   slip    stress drop    speeds             multiplier");
     println!("          years        m       MPa  (formula) m/s");
     let mut seen = None;
     for part in [0.8, 0.6, 0.4, 0.3, 0.2] {
+        let (fault, orbit) = cycle(part)?;
         let stiffness = part * critical;
-        let fault = fault(stiffness, mass)?;
         // Without inertia: from the speed of the plate to that at which radiation balances.
         let expected = stress_drop(&law, NORMAL, PLATE, 1.0);
-        let start = State::new(&[0.9 * NORMAL * law.steady(PLATE) / stiffness], &[0.0])
-            .with_memory(&[law.memory_at(PLATE)]);
-        let (guess, state) = later(&fault, start)?;
-        let orbit = orbit::shoot(&fault, &state, Period::Free(guess))?;
         let (speeds, [least, largest]) = speeds(&fault, &orbit)?;
         let (low, high) = orbit.extremes(0);
         println!(

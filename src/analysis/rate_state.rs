@@ -13,6 +13,11 @@
 //! | [`stress_drop`] | a strong earthquake | J. R. Rice, S. T. Tse, *J. Geophys. Res.* 91 (1986) 521-530 |
 //! | [`first_integral`] | a spring-slider without inertia at the critical stiffness | J.-C. Gu, J. R. Rice, A. L. Ruina, S. T. Tse, *J. Mech. Phys. Solids* 32 (1984) 167-196 (slip law); K. Ranjith, J. R. Rice, *J. Mech. Phys. Solids* 47 (1999) 1207-1218 (aging law) |
 //!
+#![doc = include_str!("../figures/fault.svg")]
+//!
+//! *The sliding speed of a fault over two cycles, and in an earthquake, computed by
+//! [`orbit::shoot`](crate::orbit::shoot): the example `earthquake`.*
+//!
 //! Steady sliding, its critical stiffness and the frequency there are methods of the law:
 //! [`RateState::steady`], [`RateState::critical_stiffness`], [`RateState::hopf_frequency`].
 

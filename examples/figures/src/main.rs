@@ -1,4 +1,4 @@
-//! Draws the figures of the source paper, and eleven more, as SVG files and as a page that shows
+//! Draws the figures of the source paper, and twelve more, as SVG files and as a page that shows
 //! them.
 //!
 //! What to learn from it:
@@ -18,6 +18,8 @@
 //! * `joint.rs`: exact resonance curves of a mass on a spring with a slider, compared with
 //!   first-harmonic theory;
 //! * `beam.rs`: curves that take minutes, read from the file that the example `bolted_beam` writes;
+//! * `fault.rs`: the speed of a fault over 15 decades, from the cycle that the example `earthquake`
+//!   finds;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady
 //!   sliding over a parameter;
@@ -25,7 +27,7 @@
 //!
 //! Run it with `cargo run --release -p stick-slip-figures`; to write to another folder than
 //! `target/figures`, add its name after `--`. One of the files is kept in this folder for the
-//! README, and five in `src/figures` of the crate for its pages. To renew them, draw them and copy
+//! README, and six in `src/figures` of the crate for its pages. To renew them, draw them and copy
 //! them.
 
 mod amplitude;
@@ -36,7 +38,12 @@ mod beam;
 mod bolted_beam;
 mod chaos;
 mod clip;
+// The cycle, with what else the example prints.
+#[allow(dead_code)]
+#[path = "../../earthquake.rs"]
+mod earthquake;
 mod errors;
+mod fault;
 mod joint;
 mod laws;
 mod memory;
@@ -60,7 +67,7 @@ use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-const FIGURES: [(&str, Draw); 17] = [
+const FIGURES: [(&str, Draw); 18] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -74,6 +81,7 @@ const FIGURES: [(&str, Draw); 17] = [
     ("lugre", memory::lugre),
     ("joint", joint::joint),
     ("bolted_beam", beam::beam),
+    ("fault", fault::fault),
     ("chain", structures::chain),
     ("mode_coupling", structures::mode_coupling),
     ("resonance", resonance::resonance),

@@ -77,6 +77,7 @@ fn figures_of_the_documentation_are_reproduced() {
             include_str!("../../../src/figures/bistability.svg"),
         ),
         ("errors", include_str!("../../../src/figures/errors.svg")),
+        ("fault", include_str!("../../../src/figures/fault.svg")),
         (
             "mode_coupling",
             include_str!("../../../src/figures/mode_coupling.svg"),
