@@ -47,6 +47,9 @@ pub(crate) trait LawObject {
     );
     /// See [`ContactLaw::creeps`].
     fn creeps(&self) -> bool;
+    /// The change of variable j that changes the friction of slip as a speed e times as high does:
+    /// that of φ is a/b, whatever its value. 0 if there is none.
+    fn unit_in_creep(&self, slip: Slip<f64>, memory: Memory<'_>, by: usize) -> f64;
     /// The memory after slip has ended in stick, or stick in slip.
     fn caught(&self, memory: &mut [f64]);
     /// Steady sliding under a load N; `None` if no memory is stationary.
@@ -192,6 +195,20 @@ impl<L: ContactLaw> LawObject for L {
 
     fn creeps(&self) -> bool {
         ContactLaw::creeps(self)
+    }
+
+    fn unit_in_creep(&self, slip: Slip<f64>, memory: Memory<'_>, by: usize) -> f64 {
+        let slope = |by: Input| {
+            let component = if by == Input::Speed { 1.0 } else { 0.0 };
+            let slip = Slip {
+                speed: Dual::along(slip.speed, component),
+                direction: slip.direction,
+                piece: slip.piece,
+            };
+            ContactLaw::coefficient(self, slip, along::<L, _>(memory, by)).derivative()
+        };
+        let unit = (slip.speed * slope(Input::Speed) / slope(Input::Memory(by))).abs();
+        if unit.is_finite() { unit } else { 0.0 }
     }
 
     fn caught(&self, memory: &mut [f64]) {

@@ -53,6 +53,7 @@ pub(super) fn is_accepted(
             allowance: plan.contacts[c],
             size: plan.sizes[c],
             unit: plan.unit,
+            memory_units: &plan.memory_units[model.memory(c)],
             tolerance: plan.tolerance,
             h,
         };
@@ -198,6 +199,8 @@ struct ContactStep<'a> {
     size: f64,
     /// The time unit in which step lengths are measured.
     unit: f64,
+    /// The least scales of the variables of its memory.
+    memory_units: &'a [f64],
     tolerance: f64,
     h: f64,
 }
@@ -441,6 +444,6 @@ impl ContactStep<'_> {
     /// The size by which errors of a variable of the memory are measured.
     fn memory_scale(&self, j: usize) -> f64 {
         let series = &self.series.memories[j];
-        memory_scale(series[0], series, self.h)
+        memory_scale(series[0], series, self.memory_units[j], self.h)
     }
 }

@@ -72,6 +72,9 @@ pub(super) struct Plan {
     closings: Vec<f64>,
     /// Rate D at which each contact's sliding speed settles, if it is stiff; otherwise 0.
     pub(super) stiff: Vec<f64>,
+    /// The least scale of each variable of the memory of contacts: its unit if the contact creeps,
+    /// where its value may be 0 by the choice of a speed of reference; otherwise 0.
+    pub(super) memory_units: Vec<f64>,
     /// Number of the last orders that no series has, because they overflow.
     pub(super) dropped: usize,
     /// True for each coordinate that its contacts leave no motion of its own, in a slow step;
@@ -221,6 +224,18 @@ pub(super) fn plan_reach(
             && rate * rate
                 > 4.0 * springiness(&model.contacts[c], (state, &series.contacts[c]), rate);
         plan.stiff.push(if is_stiff { rate } else { 0.0 });
+    }
+    plan.memory_units.clear();
+    plan.memory_units.resize(model.remembered(), 0.0);
+    for &c in &model.creeping {
+        let state = &situation.contacts[c];
+        let Some(slip) = state.slip(state.speed()) else {
+            continue;
+        };
+        let (law, memory) = (model.contacts[c].law, |j: usize| state.memory[j]);
+        for (j, unit) in plan.memory_units[model.memory(c)].iter_mut().enumerate() {
+            *unit = law.unit_in_creep(slip, &memory, j);
+        }
     }
     if series.contacts.iter().all(|of| of.settling == 0.0) {
         plan.slaved.clear();
@@ -423,8 +438,10 @@ fn plan_within(
             let error = tolerance * load_terms(model, situation, series, c);
             farthest = farthest.min(reaches.of(error, &of.load, TERMS - 2));
         }
-        for (series, memory) in std::iter::zip(&of.memories, &state.memory) {
-            let scale = memory_scale(*memory, series, farthest.min(f64::MAX));
+        let units = &plan.memory_units[model.memory(c)];
+        let variables = std::iter::zip(&of.memories, &state.memory);
+        for ((series, memory), unit) in std::iter::zip(variables, units) {
+            let scale = memory_scale(*memory, series, *unit, farthest.min(f64::MAX));
             farthest = farthest.min(reaches.of(tolerance * scale, series, TERMS - 1));
         }
         plan.contacts.push(allowance);
@@ -443,9 +460,9 @@ fn state_scale(state: &PowerSeries, within: f64) -> f64 {
     (1..=3).map(by_rate).fold(state[0].abs(), f64::max)
 }
 
-/// The scale of a variable of the memory over a time: its size, or its change.
-pub(super) fn memory_scale(value: f64, series: &PowerSeries, time: f64) -> f64 {
-    let scale = value.abs().max(series[1].abs() * time);
+/// The scale of a variable of the memory over a time: its size, its change or its unit.
+pub(super) fn memory_scale(value: f64, series: &PowerSeries, unit: f64, time: f64) -> f64 {
+    let scale = value.abs().max(series[1].abs() * time).max(unit);
     if scale > 0.0 {
         scale
     } else {
@@ -735,7 +752,8 @@ impl Reach {
     /// allowed because nothing moves.
     #[inline(always)]
     fn of(self, error: f64, c: &PowerSeries, n: usize) -> f64 {
-        let n = n.saturating_sub(self.dropped).max(1);
+        // Roots are taken of the last order and of the one before it.
+        let n = n.saturating_sub(self.dropped).max(2);
         let by_last = if c[n] == 0.0 && c[n - 1] == 0.0 {
             f64::INFINITY
         } else {
