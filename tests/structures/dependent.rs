@@ -318,6 +318,40 @@ impl Drawn {
     }
 }
 
+/// Two freewheels and a brake are at or near their limits, and a third freewheel carries the rest
+/// on its side without a limit: its rounding errors, of 2e-8, were given to one that has no room.
+#[test]
+fn a_share_without_a_limit_keeps_the_balance() {
+    let mass = DMatrix::from_row_slice(
+        2,
+        2,
+        &[
+            1.329996584025747,
+            -0.31724640005278126,
+            -0.31724640005278126,
+            0.8096617721737038,
+        ],
+    );
+    let force = [-0.9013021783991961, 1.0070603834217664];
+    let freewheel = |direction: &[(usize, f64)], load: f64| {
+        Contact::along(direction, Freewheel::new(even(0.5)).unwrap(), load).unwrap()
+    };
+    let system = Structure::with_mass_matrix(mass)
+        .and_then(|s| s.with_force(0, force[0])?.with_force(1, force[1]))
+        .and_then(|s| s.with_contact(freewheel(&[(0, 1.0)], 0.36928022214296424)))
+        .and_then(|s| s.with_contact(freewheel(&[(0, 1.0), (1, -1.0)], 1.061294866152712)))
+        .and_then(|s| s.with_contact(freewheel(&[(1, 1.0)], 0.3778941204428813)))
+        .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 0.6192695535212707)?))
+        .unwrap();
+    let state = State::at_rest(2);
+    assert_eq!(system.acceleration(0.0, &state).unwrap(), [0.0; 2]);
+    let carried = forces(&system.carried(0.0, &state).unwrap());
+    let left = force[0] - carried[0] - carried[1] - carried[3];
+    assert_abs_diff_eq!(left, 0.0, epsilon = 1e-15);
+    let left = force[1] + carried[1] - carried[2];
+    assert_abs_diff_eq!(left, 0.0, epsilon = 1e-15);
+}
+
 #[test]
 fn decisions_of_dependent_contacts_solve_the_programme() {
     let mut random = Random::new(73);

@@ -203,7 +203,9 @@ fn a_stop_out_of_reach_changes_nothing() {
         let [one, other] = [without, with].map(|structure| {
             let flow = Integrator::new().flow(&structure, start.clone()).unwrap();
             let steps = flow.take(300).map_while(Result::ok);
+            // A mass that its belt carries comes there in the end.
             steps
+                .take_while(|step| step.end_time() < 1e8)
                 .map(|step| (step.end_time(), step.end_state()))
                 .collect::<Vec<_>>()
         });

@@ -262,18 +262,28 @@ impl Group {
             slips
         };
         let residual = |u: &DVector<f64>| &goal - self.rows.transpose() * carried(u);
+        let slopes = |u: &DVector<f64>| {
+            let mut slips = &self.rows * u;
+            for (row, s) in slips.iter_mut().enumerate() {
+                *s = share(row, *s)[1];
+            }
+            slips
+        };
+        // The step of Newton's method.
+        let solve = |slopes: &DVector<f64>, rest: &DVector<f64>| {
+            let mut second = DMatrix::identity(rank, rank) * 1e-12;
+            for (row, slope) in std::iter::zip(self.rows.row_iter(), slopes) {
+                second += row.transpose() * row * *slope;
+            }
+            second.cholesky().map(|factor| factor.solve(rest))
+        };
         let mut u = DVector::zeros(rank);
         let mut rest = residual(&u);
         for _ in 0..MOST_ROUNDS {
             if rest.amax() <= ROUNDING * goal.amax() {
                 break;
             }
-            let slips = &self.rows * &u;
-            let mut second = DMatrix::identity(rank, rank) * 1e-12;
-            for (i, row) in self.rows.row_iter().enumerate() {
-                second += row.transpose() * row * share(i, slips[i])[1];
-            }
-            let Some(direction) = second.cholesky().map(|factor| factor.solve(&rest)) else {
+            let Some(direction) = solve(&slopes(&u), &rest) else {
                 break;
             };
             // The minimum along the direction, where the slope changes its sign.
@@ -299,7 +309,13 @@ impl Group {
             (u, rest) = (next, left);
         }
         let mut shares = carried(&u);
-        // Balance to rounding: the base takes up what is left.
+        // Balance to rounding. A share without a bound magnifies the rounding errors of u: those
+        // that may change take them up, and the base what is left then.
+        let slopes = slopes(&u);
+        if let Some(direction) = solve(&slopes, &rest) {
+            shares += slopes.component_mul(&(&self.rows * direction));
+            rest = &goal - self.rows.transpose() * &shares;
+        }
         for (share, rest) in shares.iter_mut().zip(&rest) {
             *share += rest;
         }
