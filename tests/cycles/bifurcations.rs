@@ -237,7 +237,7 @@ fn hopf_velocities_of_a_law_with_many() {
         );
     }
     // Wherever a range is cut, none is lost and none is found twice.
-    for i in 0..count(20, 100) {
+    for i in 0..count(8, 100) {
         let cut = 0.03 + 0.29 * i as f64;
         let [below, above] =
             [0.0..cut, cut..30.0].map(|range| hopf_velocities(&system, range).unwrap());

@@ -6,7 +6,7 @@ use stick_slip::{
     Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure, bifurcation,
 };
 
-use crate::common::{list, number, one_mass, text};
+use crate::common::{count, list, number, one_mass, text};
 use crate::loci::{curve, member};
 
 /// A mass on a belt with the exponential law: A' = aA + cA³ with a = −(2β + μ̂'(v_b))/2, so that A²
@@ -50,7 +50,8 @@ fn amplitudes_are_those_of_the_averaged_equation() {
 #[test]
 fn amplitudes_of_a_drill_string_are_those_of_the_normal_form() {
     let case = curve("hds");
-    for point in list(&case["points"]) {
+    let points = list(&case["points"]);
+    for point in points.iter().take(count(2, points.len())) {
         let [speed, load] = ["PARAM1", "PARAM2"].map(|name| number(&point[name]));
         let family = |load: f64| Ok(member(&case["system"], speed, load));
         let born = begin(family, 0.99 * load).unwrap();

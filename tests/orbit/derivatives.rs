@@ -226,7 +226,7 @@ fn column(
 
 #[test]
 fn derivatives_are_those_of_motions_beside() {
-    agree(Draw(Random::new(5)), count(30, 200), &mut |_, structure| {
+    agree(Draw(Random::new(5)), count(15, 200), &mut |_, structure| {
         structure
     });
 }
@@ -241,7 +241,7 @@ fn derivatives_with_force_elements_are_those_of_motions_beside() {
         }
         structure
     };
-    agree(Draw(Random::new(52)), count(30, 150), &mut add);
+    agree(Draw(Random::new(52)), count(15, 150), &mut add);
 }
 
 /// The same with contacts whose memory depends on their loads.
@@ -272,7 +272,7 @@ fn derivatives_with_heat_are_those_of_motions_beside() {
         }
         structure
     };
-    agree(Draw(Random::new(54)), count(20, 100), &mut add);
+    agree(Draw(Random::new(54)), count(10, 100), &mut add);
 }
 
 /// The same with laws of all kinds in the loads of contacts, with and without a temperature.
@@ -314,7 +314,7 @@ fn derivatives_with_load_laws_are_those_of_motions_beside() {
         }
         structure
     };
-    agree(Draw(Random::new(55)), count(20, 100), &mut add);
+    agree(Draw(Random::new(55)), count(10, 100), &mut add);
 }
 
 /// Compares the derivatives of so many motions of structures, drawn and then completed.

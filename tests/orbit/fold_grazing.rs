@@ -108,7 +108,7 @@ fn folds_with_short_sticks_end_at_the_touch_in_closed_form() {
 /// Folds of a forced mass on a belt, on both sides of a cusp: both curves end at the same point on
 /// the curve of touches, found from two touches of the same branch.
 #[test]
-#[ignore = "a full count: four long curves; the next test has the same end of two masses"]
+#[ignore = "a full count: four long curves; the test above has the same end in closed form"]
 fn folds_with_falling_friction_end_on_the_curve_of_touches() {
     let family = |hertz: f64, force: f64| {
         let law = Stribeck::new(0.5, 0.25, 0.3, 2)?;
@@ -145,6 +145,7 @@ fn folds_with_falling_friction_end_on_the_curve_of_touches() {
 
 /// The same for a joint of two masses, whose contact shares both coordinates.
 #[test]
+#[ignore = "a full count: two long curves; the first test has the same end of one mass"]
 fn folds_of_a_joint_end_on_the_curve_of_touches() {
     let family = |frequency: f64, force: f64| {
         let contact = Contact::between(0, 1, Coulomb::new(0.4, 0.4)?, 1.0)?;

@@ -296,7 +296,7 @@ fn differences(
 fn random_derivatives_agree_with_differences() {
     let mut random = Random::new(4907);
     let mut counts = [0; 7];
-    for number in 0..count(24, 200) {
+    for number in 0..count(12, 200) {
         let case = Case::random(&mut random, number % 4);
         // A number that the second copy has by itself, or one of all.
         let count = case.numbers.len();
@@ -407,7 +407,7 @@ fn random_derivatives_agree_with_differences() {
 fn monodromy_matrices_agree_with_derivatives_by_the_start() {
     let mut random = Random::new(5011);
     let (mut right, mut wrong, mut refused) = (0, 0, 0);
-    for number in 0..count(24, 200) {
+    for number in 0..count(12, 200) {
         let case = Case::random(&mut random, [1, 0, 1, 2][number % 4]);
         let mut parameters = case.numbers.clone();
         parameters.push(0.0);

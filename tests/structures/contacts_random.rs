@@ -12,7 +12,7 @@ use crate::work::Work;
 fn motions_of_joints_obey_the_law() {
     let mut random = Random::new(77);
     let (mut events, mut ended, mut worst) = (0, 0, 0.0_f64);
-    let cases = count(80, 600);
+    let cases = count(40, 600);
     for i in 0..cases {
         let plain = Plain::shared(&mut random, i % 3 == 0);
         let start = plain.start_at_rest(&mut random);

@@ -174,7 +174,7 @@ fn decisions_are_right(mut random: Random, is_sided: bool, cases: usize) {
 fn more_contacts_than_masses_come_to_a_decision() {
     let mut random = Random::new(28);
     let (mut decided, mut undetermined) = (0, 0);
-    for case in 0..count(1000, 5000) {
+    for case in 0..count(300, 5000) {
         // Seven masses take a hundred times as long as five.
         let more = if case % 20 == 0 { 5 } else { 3 };
         let n = 3 + (random.bits() % more) as usize;

@@ -356,7 +356,7 @@ fn a_scheme_without_events_comes_to_the_same_states() {
 fn motions_of_elastic_contacts_obey_the_law() {
     let mut random = Random::new(92);
     let (mut events, mut motions) = (0, 0);
-    let cases = count(60, 600);
+    let cases = count(30, 600);
     for i in 0..cases {
         let Drawn { structure, start } = draw(&mut random, true);
         let about = || format!("{i}: {structure:?}\n{start:?}");
@@ -598,7 +598,7 @@ fn an_open_spring_does_not_pull_what_starts_to_slip() {
 #[test]
 fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
     let mut random = Random::new(91);
-    for i in 0..count(25, 100) {
+    for i in 0..count(12, 100) {
         let mut uniform = |low, high| random.uniform(low, high);
         let masses = [0; 2].map(|_| uniform(0.5, 2.0));
         let (spring, damper) = (uniform(0.5, 2.0), uniform(0.05, 0.2));

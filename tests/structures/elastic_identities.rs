@@ -220,7 +220,7 @@ fn simulate(given: &Given, start: &State, about: &str) -> Trajectory<State> {
 fn two_motions_never_come_apart() {
     let mut random = Random::new(30);
     let (mut events, mut fallen) = (0, 0);
-    let cases = count(150, 1000);
+    let cases = count(75, 1000);
     for i in 0..cases {
         let given = Given::random(&mut random);
         let motions = [0, 1].map(|_| {
@@ -272,7 +272,7 @@ fn mirror_images_agree_to_the_bit() {
         State::new(&q, &v).with_memory(&negated(&state.memory))
     };
     let mut events = 0;
-    for number in 0..count(150, 1000) {
+    for number in 0..count(75, 1000) {
         let given = Given::random(&mut random);
         let mut image = given.clone();
         image.forces = given.forces.iter().map(turned).collect();
@@ -295,14 +295,14 @@ fn mirror_images_agree_to_the_bit() {
         }
         assert_eq!(mirrored(&one.last()), other.last(), "{about}");
     }
-    assert!(events > 10 * count(150, 1000), "{events}");
+    assert!(events > 10 * count(75, 1000), "{events}");
 }
 
 #[test]
 fn energy_is_what_forces_and_sliders_leave() {
     let mut random = Random::new(31);
     let mut worst = 0.0_f64;
-    for i in 0..count(50, 1000) {
+    for i in 0..count(25, 1000) {
         let given = Given::random(&mut random);
         let start = given.start(&mut random);
         let motion = simulate(&given, &start, &i.to_string());

@@ -138,7 +138,7 @@ fn balances_close_along_the_reference_motions() {
 fn balances_close_along_random_motions() {
     let mut random = Random::new(77);
     let mut worst = 0.0_f64;
-    for i in 0..count(80, 400) {
+    for i in 0..count(40, 400) {
         let plain = if i % 2 == 0 {
             Plain::random(&mut random)
         } else {

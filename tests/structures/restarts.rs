@@ -214,7 +214,7 @@ fn a_returned_state_is_a_start_of_the_same_motion() {
     let [mut restarts, mut unclear] = [0; 2];
     let mut wrong = Vec::new();
     let each = count(20, 100).min(50);
-    for number in 0..count(40, 200) {
+    for number in 0..count(20, 200) {
         let (structure, start) = draw(&mut random);
         let motion = match run(&structure, 0.0, start.clone()) {
             Ok(motion) => motion,
@@ -269,7 +269,7 @@ fn velocities_are_continuous_after_a_release() {
     const PART: f64 = 1e-6;
     let mut random = Random::new(498);
     let mut starts = 0;
-    for number in 0..count(200, 4000) {
+    for number in 0..count(100, 4000) {
         let (structure, start) = draw(&mut random);
         let Ok(motion) = run(&structure, 0.0, start) else {
             continue;
@@ -310,7 +310,7 @@ fn samples_agree_with_forces_and_accelerations_of_their_states() {
     let mut random = Random::new(94);
     let mut samples = 0;
     let mut wrong = Vec::new();
-    for number in 0..count(60, 300) {
+    for number in 0..count(30, 300) {
         let (structure, start) = draw(&mut random);
         let Ok(motion) = run(&structure, 0.0, start) else {
             continue;
@@ -389,7 +389,7 @@ fn a_locked_clutch_stays_locked() {
 fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
     let mut random = Random::new(3);
     let [mut compared, mut events] = [0; 2];
-    for _ in 0..count(40, 200) {
+    for _ in 0..count(20, 200) {
         // Metres and seconds of a small or an ordinary system.
         let (length, rate) = random.pick(&[(1.0, 1.0), (1e-3, 50.0), (2e-6, 3e3)]);
         let mut belt = Drive::constant(length * rate * random.uniform(-0.2, 0.2));
@@ -435,7 +435,7 @@ fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
         }
     }
     assert!(
-        compared > 500 * count(40, 200) && events > 4 * count(40, 200),
+        compared > 500 * count(20, 200) && events > 4 * count(20, 200),
         "{compared} {events}"
     );
 }
@@ -446,7 +446,7 @@ fn a_mass_in_stick_has_the_velocity_of_its_belt_in_every_bit() {
 fn sliders_carry_their_limit_in_every_bit() {
     let mut random = Random::new(7);
     let [mut sliding, mut resting] = [0; 2];
-    for _ in 0..count(40, 200) {
+    for _ in 0..count(20, 200) {
         let coefficient = random.uniform(0.2, 0.8);
         let force = Drive::sine(random.uniform(1.0, 3.0), random.uniform(0.5, 2.0)).unwrap();
         let load = Drive::constant(1.0).with_harmonic(0.3, random.uniform(0.5, 2.0), 0.0);
@@ -480,7 +480,7 @@ fn sliders_carry_their_limit_in_every_bit() {
         }
     }
     assert!(
-        sliding > 10 * count(40, 200) && resting > 5 * count(40, 200),
+        sliding > 10 * count(20, 200) && resting > 5 * count(20, 200),
         "{sliding} {resting}"
     );
 }
@@ -545,7 +545,7 @@ fn assert_same(
 fn one_mass_goes_on_from_any_of_its_states_in_any_unit() {
     let mut random = Random::new(11);
     let mut stuck = 0;
-    for _ in 0..count(30, 150) {
+    for _ in 0..count(15, 150) {
         let law = Coulomb::new(random.uniform(0.4, 0.8), random.uniform(0.1, 0.4)).unwrap();
         let physical = Physical {
             mass: random.logarithmic(1e-3, 1e3),
@@ -593,5 +593,5 @@ fn one_mass_goes_on_from_any_of_its_states_in_any_unit() {
         }
         assert_eq!(brake.release_state().unwrap().velocity, belt_velocity);
     }
-    assert!(stuck > 3 * count(30, 150), "{stuck}");
+    assert!(stuck > 3 * count(15, 150), "{stuck}");
 }

@@ -104,7 +104,7 @@ fn ends<'a>(
 #[test]
 fn several_contacts_move_as_one() {
     let (mut worst, mut random) = (Worst::default(), Random::new(3));
-    for i in 0..count(30, 500) {
+    for i in 0..count(15, 500) {
         let (law, w) = steep(&mut random, i);
         let contact =
             |place: usize, load: f64| Contact::new(place, law.clone(), load).unwrap().on_belt(w);
@@ -160,7 +160,7 @@ fn several_contacts_move_as_one() {
 #[test]
 fn a_contact_between_masses_leaves_their_common_motion() {
     let (mut worst, mut random) = (Worst::default(), Random::new(8));
-    for i in 0..count(30, 500) {
+    for i in 0..count(15, 500) {
         let (law, _) = steep(&mut random, i);
         let load = random.uniform(0.3, 2.0);
         let springs = |structure: Structure, n: usize| {
