@@ -426,6 +426,43 @@ impl<const N: usize> Sliders<N> {
     }
 }
 
+/// A fault far from the balance of forces, with φ = 0 and V₀ = 1e-6: from rest, from slip against
+/// the plate and from the plate's velocity, it comes to the same speed at once.
+#[test]
+fn the_speed_at_the_start_is_forgotten() {
+    let (load, plate) = (5e7, 1e-9);
+    let law = RateState::aging(0.6, 0.01, 0.015, 0.008, 1e-6).unwrap();
+    let fault = Structure::new(&[3.9e6])
+        .and_then(|fault| fault.with_ground_spring(0, 1.5625e7))
+        .and_then(|fault| fault.with_ground_damper(0, 4.6e6))
+        .and_then(|fault| fault.with_force(0, 4.6e6 * plate))
+        .and_then(|fault| fault.with_contact(Contact::new(0, law, load)?.on_belt(plate)))
+        .unwrap();
+    let seen = |part: f64, speed: f64| {
+        let start = State::new(&[part * load / 1.5625e7], &[0.0]);
+        let start = start.with_memory(&[0.0]).with_sliding(0, speed);
+        let motion = fault.simulate(start, 1e4).unwrap();
+        let late = motion.state_at(1e4).unwrap();
+        let speed = -motion.sliding_velocity(0, 1e4);
+        assert!(motion.steps().len() < 5000, "{}", motion.steps().len());
+        [late.displacements[0], speed.ln(), late.memory[0]]
+    };
+    for part in [0.5, 0.6, 0.7, 0.9] {
+        let expected = seen(part, -plate);
+        for speed in [0.0, plate, 1e-300, -1e-308, -1e-12, -1e-4] {
+            let found = seen(part, speed);
+            for (found, expected) in std::iter::zip(found, expected) {
+                // A speed of 1e-4 m/s moves it by 1e-4 m s⁻¹ · m V/(N a), and the spring by
+                // less than a part of 1e-9.
+                assert!(
+                    (found - expected).abs() < 1e-7,
+                    "{part}, {speed}: {found} {expected}"
+                );
+            }
+        }
+    }
+}
+
 /// One to three sliders of both laws, of stable and of seismic sliding, over several decades of
 /// their speeds, beside an implicit method in the logarithm of the speed.
 #[test]

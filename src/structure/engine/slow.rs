@@ -289,7 +289,9 @@ impl Slow<'_, '_> {
                 let left = self.control.errors_left.get(c).copied().unwrap_or(0.0);
                 let error = CLOSE * self.control.plan.contacts[c].error.max(left);
                 let moved = 4.0 * (now - before[0]).abs();
-                may_have_come &= (now - state.speed()).abs() <= moved + error;
+                let [missing, missed] = self.control.stiff.missing(c);
+                let moved = moved + 4.0 * (missing - missed).abs();
+                may_have_come &= (now - state.speed()).abs() + missing <= moved + error;
             }
             if !may_have_come || reach < LONGER * shorter {
                 return None;

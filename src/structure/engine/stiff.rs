@@ -54,6 +54,9 @@ pub(super) struct Stiff {
     others: Vec<(usize, Option<Parts>)>,
     /// The speeds of the pass before.
     before: Vec<PowerSeries>,
+    /// How far the balance of forces is from the speeds that are 0, to first order, in this pass
+    /// and in the one before.
+    missing: Vec<[f64; 2]>,
     /// The matrix D.
     rates: Option<LU<f64, Dyn, Dyn>>,
 }
@@ -79,6 +82,7 @@ impl Stiff {
         let speed = |&c: &usize| PowerSeries::of(situation.contacts[c].speed());
         Self {
             before: directions.contacts.iter().map(speed).collect(),
+            missing: vec![[0.0; 2]; directions.contacts.len()],
             directions,
             others,
             rates: None,
@@ -146,6 +150,13 @@ impl Stiff {
         true
     }
 
+    /// How far the speed of a contact is from the balance of forces if it is 0, where Newton's
+    /// method in ln s does not move it: in the last pass, and in the one before.
+    pub(super) fn missing(&self, c: usize) -> [f64; 2] {
+        let place = self.directions.contacts.iter().position(|&d| d == c);
+        place.map_or([0.0; 2], |place| self.missing[place])
+    }
+
     /// Keeps the speeds for the next pass.
     pub(super) fn end_pass(&mut self, series: &Series) {
         for (&c, before) in std::iter::zip(&self.directions.contacts, &mut self.before) {
@@ -161,6 +172,9 @@ impl Stiff {
         series: &mut Series,
         evaluate: &mut dyn FnMut(&mut Series),
     ) -> bool {
+        for [now, before] in &mut self.missing {
+            *before = *now;
+        }
         for _ in 0..MOST_PASSES {
             let braking = |c: usize| {
                 let of = &series.contacts[c];
@@ -174,10 +188,12 @@ impl Stiff {
                 return false;
             };
             let mut largest = 0.0;
-            for (&c, &correction) in std::iter::zip(&self.directions.contacts, &corrections) {
+            let contacts = std::iter::zip(&self.directions.contacts, &mut self.missing);
+            for ((&c, missing), &correction) in std::iter::zip(contacts, &corrections) {
                 let speed = &mut series.contacts[c].speeds[0];
-                // Where slip changes its direction the motion is on the manifold.
+                // Slip changes its direction: on the manifold forces balance there.
                 if *speed == 0.0 {
+                    missing[0] = correction.abs();
                     continue;
                 }
                 let change = correction / *speed;
