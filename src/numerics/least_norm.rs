@@ -101,6 +101,13 @@ impl Conserved {
             parts,
         })
     }
+
+    /// The change along the null vectors that takes back what a change of the first unknowns does
+    /// to the conserved quantities.
+    fn restoring(&self, change: &DVector<f64>) -> DVector<f64> {
+        let changed = self.left.rows(0, change.len()).tr_mul(change);
+        -(&self.directions * (&self.parts * changed))
+    }
 }
 
 /// The solution that changes no conserved quantity; where none determines it, the one of least
@@ -121,10 +128,19 @@ pub(crate) fn conserving(
     let Some(conserved) = Conserved::of(&svd, least, count) else {
         return Some(solution);
     };
-    let first = solution.rows(0, count);
-    let changed = conserved.left.rows(0, count).tr_mul(&first);
-    solution -= &conserved.directions * (conserved.parts * changed);
+    let first = solution.rows(0, count).into_owned();
+    solution += conserved.restoring(&first);
     Some(solution)
+}
+
+/// The change along the null directions of such equations that takes back what a change of the
+/// first unknowns does to the conserved quantities; `None` if nothing is conserved.
+pub(crate) fn restoring(
+    matrix: DMatrix<f64>,
+    change: &DVector<f64>,
+    singular: f64,
+) -> Option<DVector<f64>> {
+    Some(conserved(matrix, singular, change.len())?.restoring(change))
 }
 
 /// The directions in which such equations have neighbouring solutions, to first order, by columns.
@@ -133,7 +149,11 @@ pub(crate) fn directions(
     singular: f64,
     count: usize,
 ) -> Option<DMatrix<f64>> {
+    conserved(matrix, singular, count).map(|found| found.directions)
+}
+
+fn conserved(matrix: DMatrix<f64>, singular: f64, count: usize) -> Option<Conserved> {
     let svd = decomposed(matrix, &DVector::zeros(0))?;
     let least = singular * svd.singular_values.max();
-    Conserved::of(&svd, least, count).map(|found| found.directions)
+    Conserved::of(&svd, least, count)
 }

@@ -31,29 +31,29 @@ pub(super) fn families(
     let mut neutral = map.neutral(is_free, period);
     // Where there are no more than those that are known, no fold hides among them.
     if neutral.len() > map.known_families() {
-        let is_one = |direction: &DVector<f64>| {
+        let is_one = |neighbour: &(DVector<f64>, f64)| {
             [APART, -APART].into_iter().any(|by| {
-                has_neighbour(form, (map, is_free, period), direction, by).unwrap_or(false)
+                has_neighbour(form, (map, is_free, period), neighbour, by).unwrap_or(false)
             })
         };
         neutral.retain(is_one);
     }
     let found = neutral.into_iter();
-    found.map(|d| d.component_mul(&sizes)).collect()
+    found.map(|(d, _)| d.component_mul(&sizes)).collect()
 }
 
-/// Returns true if a closed motion lies at a distance in a direction, in units of the sizes; `None`
-/// if a motion there fails.
+/// Returns true if a closed motion lies at a distance in a direction, in units of the sizes, in
+/// which the period grows; `None` if a motion there fails.
 fn has_neighbour(
     form: &GeneralForm<'_>,
     (map, is_free, period): (&PeriodMap, bool, f64),
-    direction: &DVector<f64>,
+    (direction, longer): &(DVector<f64>, f64),
     by: f64,
 ) -> Option<bool> {
     let (order, n) = (map.order(), form.len());
     let (sizes, origin) = (map.sizes(), vector(&map.start, map.order()));
     let mut start = &origin + (direction * by).component_mul(&sizes);
-    let mut period = period;
+    let mut period = period * (1.0 + by * longer);
     let modes = map.end_modes();
     let motion = |start: &DVector<f64>, period: f64| {
         let mut here = state(start, n);

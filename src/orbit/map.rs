@@ -347,10 +347,11 @@ impl PeriodMap {
     }
 
     /// The directions, in units of the sizes, in which the start of a closed motion has closed ones
-    /// beside it to first order, without those of translations.
-    pub(super) fn neutral(&self, is_free: bool, period: f64) -> Vec<DVector<f64>> {
+    /// beside it to first order, without those of translations; each with the relative change of
+    /// the period.
+    pub(super) fn neutral(&self, is_free: bool, period: f64) -> Vec<(DVector<f64>, f64)> {
         let (order, sizes) = (self.order(), self.sizes());
-        let (mut matrix, ..) = self.equations(is_free.then_some(&self.flow[0]), period);
+        let (mut matrix, _, unit) = self.equations(is_free.then_some(&self.flow[0]), period);
         // Positions of contacts that never slip are kept by the search, not by the motion.
         for Unslipped { row, .. } in &self.unslipped {
             for j in 0..order {
@@ -362,11 +363,11 @@ impl PeriodMap {
         let Some(found) = directions(matrix, SINGULAR, order) else {
             return Vec::new();
         };
-        let columns = found.column_iter();
-        let columns = columns.map(|column| column.rows(0, order).into_owned());
-        let scaled = columns.map(|direction| {
+        let scaled = found.column_iter().map(|column| {
+            let direction = column.rows(0, order).into_owned();
             let largest = direction[direction.icamax()];
-            direction / largest
+            let longer = column.get(order).map_or(0.0, |longer| longer / unit);
+            (direction / largest, longer / largest)
         });
         scaled.collect()
     }

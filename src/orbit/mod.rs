@@ -185,8 +185,8 @@
 //! * If a contact never slips, or if the motion conserves a quantity, the motion belongs to a
 //!   continuous family. [`Orbit::families`] lists its directions, [`Orbit::unslipped`] the contacts
 //!   that never slip. [`Orbit::multipliers`] does not contain the multipliers 1 of these contacts,
-//!   but those of other families. The member that a search finds conserves the momentum and the
-//!   like of its start: see [`shoot`].
+//!   but those of other families. The member that a search finds conserves the momentum, the energy
+//!   and the like of its start: see [`shoot`].
 //!
 //! The period map has no derivative at grazing. If several contacts have events at the same
 //! instant, it has a derivative if their order does not matter. This holds for elements in

@@ -11,9 +11,10 @@ use super::period::Period;
 use super::periodic_orbit::Orbit;
 use super::trial::TrialMotion;
 use crate::error::Error;
-use crate::motion::Mode;
 use crate::motion::sealed::State as _;
-use crate::numerics::least_norm::conserving;
+use crate::motion::{Mode, Segment};
+use crate::numerics::bracket::root_between;
+use crate::numerics::least_norm::{conserving, restoring};
 use crate::search::Search;
 use crate::state::structure::State;
 use crate::structure::engine::check_sizes;
@@ -22,8 +23,9 @@ use crate::structure::engine::check_sizes;
 #[derive(Debug)]
 struct Problem<'s> {
     form: &'s GeneralForm<'s>,
-    /// The phase condition of an autonomous motion: a point of the plane, and its normal.
-    section: Option<[DVector<f64>; 2]>,
+    guess: DVector<f64>,
+    /// The phase condition of an autonomous motion: the normal of a plane through the guess.
+    section: Option<DVector<f64>>,
     /// The given period or estimate.
     estimate: f64,
 }
@@ -33,6 +35,16 @@ const MOST_STEPS: usize = 60;
 
 /// The smallest damping factor of a Newton step.
 const LEAST_PART: f64 = 1.0 / 1024.0;
+
+/// The number of parts of the estimate of a period in which a return is looked for.
+const PARTS: usize = 256;
+
+/// Limit of the moves along a family; they converge quadratically.
+const MOST_RETURNS: usize = 12;
+
+/// A conserved quantity counts as that of the guess if the motion lies within this distance along
+/// its family, in units of the sizes and of the magnification by the motion.
+const CONSERVED: f64 = 4.0 * f64::EPSILON;
 
 /// A residual below this is none: a memory variable that decays may come nearer to 0 for ever.
 const ZERO: f64 = f64::EPSILON * f64::EPSILON;
@@ -47,6 +59,7 @@ impl<'s> Problem<'s> {
         let duration = period.duration(form.rhythm())?;
         let mut problem = Self {
             form,
+            guess: vector(guess, form.order()),
             section: None,
             estimate: duration,
         };
@@ -57,7 +70,7 @@ impl<'s> Problem<'s> {
             if length == 0.0 {
                 return Err(Error::AtRest);
             }
-            problem.section = Some([vector(guess, form.order()), normal / length]);
+            problem.section = Some(normal / length);
         }
         Ok((problem, trial))
     }
@@ -73,12 +86,11 @@ impl<'s> Problem<'s> {
     fn step(&self, trial: &TrialMotion) -> Option<(DVector<f64>, f64, f64)> {
         let map = &trial.map;
         let (order, sizes) = (map.order(), map.sizes());
-        let normal = self.section.as_ref().map(|[_, normal]| normal);
-        let (matrix, mut right, unit) = map.equations(normal, trial.period);
-        if let Some([point, normal]) = &self.section {
+        let (matrix, mut right, unit) = map.equations(self.section.as_ref(), trial.period);
+        if let Some(normal) = &self.section {
             let start = vector(&map.start, order);
             let largest = normal.component_mul(&sizes).amax();
-            right[order] = -normal.dot(&(start - point)) / largest;
+            right[order] = -normal.dot(&(start - &self.guess)) / largest;
         }
         let mut solution = conserving(matrix, &right, SINGULAR, order)?;
         if self.section.is_some() {
@@ -109,8 +121,88 @@ impl<'s> Problem<'s> {
         changed
     }
 
-    /// Damped Newton's method: a step that would increase the residual is shortened.
+    /// The closed motion that conserves what the guess conserves, as far as closed motions do.
+    ///
+    /// Newton's method keeps what is linear in the state. Of any other conserved quantity it keeps
+    /// the gradient at the closed motion only: the found motion is moved along its family until the
+    /// guess lies across this gradient, and closed again.
     fn solve(&self, first: TrialMotion) -> Result<TrialMotion, Error> {
+        let mut found = self.close(first)?;
+        let mut missed = self.missed(&found);
+        for _ in 0..MOST_RETURNS {
+            let Some((back, longer)) = &missed else {
+                break;
+            };
+            if back.amax() <= CONSERVED * found.map.growth() {
+                break;
+            }
+            let start = self.changed(&found, &back.component_mul(&found.map.sizes()), 1.0);
+            let nearer = self.trial(&start, found.period * (1.0 + longer));
+            let nearer = nearer.and_then(|trial| self.close(trial));
+            let Ok(nearer) = nearer else {
+                break;
+            };
+            let still = self.missed(&nearer);
+            let is_nearer = |(still, _): &(DVector<f64>, f64)| still.amax() <= 0.5 * back.amax();
+            if !still.as_ref().is_some_and(is_nearer) {
+                break;
+            }
+            (found, missed) = (nearer, still);
+        }
+        Ok(found)
+    }
+
+    /// The change of the start of a closed motion, along its family and in units of the sizes, with
+    /// which it would conserve what the guess conserves, and the relative change of the period;
+    /// `None` where there is no family.
+    fn missed(&self, found: &TrialMotion) -> Option<(DVector<f64>, f64)> {
+        let map = &found.map;
+        let order = map.order();
+        let (matrix, _, unit) = map.equations(self.section.as_ref(), found.period);
+        let mut away = vector(&map.start, order) - &self.guess;
+        map.kept().into_iter().for_each(|row| away[row] = 0.0);
+        let back = restoring(matrix, &away.component_div(&map.sizes()), SINGULAR)?;
+        let longer = back.get(order).map_or(0.0, |longer| longer / unit);
+        Some((back.rows(0, order).into_owned(), longer))
+    }
+
+    /// The time, from a half to one and a half of the estimate, at which the motion from the guess
+    /// of an autonomous one passes nearest to the guess.
+    fn return_time(&self, first: &TrialMotion) -> Option<f64> {
+        let normal = self.section.as_ref()?;
+        let most = 1.5 * first.period;
+        let map = self.form.period_map(&first.map.start, most).ok()?;
+        let sizes = map.sizes();
+        let away = |time: f64| {
+            let step = map.steps.iter().find(|step| time <= step.end_time());
+            let step = step.unwrap_or(&map.steps[map.steps.len() - 1]);
+            let there = step.state_at(step.since_start(time).min(step.duration()));
+            let mut away = vector(&there, map.order()) - &self.guess;
+            map.untranslated(&mut away);
+            away
+        };
+        let ahead = |time: f64| normal.dot(&away(time));
+        let times = (0..=PARTS).map(|i| first.period * (0.5 + i as f64 / PARTS as f64));
+        let times: Vec<f64> = times.collect();
+        let passages = times.windows(2).filter_map(|pair| {
+            let passes = ahead(pair[0]) < 0.0 && ahead(pair[1]) >= 0.0;
+            passes.then(|| root_between(&mut |time| Ok(ahead(time)), pair[0], pair[1]).ok())?
+        });
+        let missed = |time: f64| away(time).component_div(&sizes).amax();
+        let passages = passages.map(|time| (time, missed(time)));
+        let nearest = passages.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map(|(time, _)| time)
+    }
+
+    /// Returns true if a motion of a family conserves what the guess conserves; `None` where there
+    /// is no family.
+    fn conserves(&self, found: &TrialMotion) -> Option<bool> {
+        let (missed, _) = self.missed(found)?;
+        Some(missed.amax() <= CLOSED * found.map.growth())
+    }
+
+    /// Damped Newton's method: a step that would increase the residual is shortened.
+    fn close(&self, first: TrialMotion) -> Result<TrialMotion, Error> {
         let mut best = first;
         for _ in 0..MOST_STEPS {
             if best.residual <= ZERO {
@@ -191,9 +283,13 @@ impl<'s> Problem<'s> {
 /// Closed motions can form a continuous family ([`Orbit::families`]). If the motion conserves a
 /// quantity that is linear in the state and that distinguishes the members, the result conserves
 /// the value of the guess, to rounding. Such quantities are a momentum, the velocity of a mass that
-/// no friction brakes, or a memory variable minus a displacement. In any other family, such as that
-/// of the energies of an undamped motion, the result is a member near the guess. Motions that grow
-/// or decay by less than 1e-11 per period count as members of a family.
+/// no friction brakes, or a memory variable minus a displacement. Any other conserved quantity,
+/// such as the energy of an undamped part, is conserved to rounding if the guess lies on a closed
+/// motion, as each state of a part with one coordinate does, once all other parts have settled.
+/// Otherwise it differs by the square of the distance of the guess from the closed motions. (Such a
+/// family is also searched with the time at which the motion from the guess passes nearest to the
+/// guess, from a half to one and a half of the estimate.) Motions that grow or decay by less than
+/// 1e-11 per period count as members of a family.
 ///
 /// An autonomous motion must leave its start and return. The residual must therefore also be small
 /// relative to the extent of the motion, however small this extent is. This excludes two false
@@ -313,11 +409,25 @@ pub(super) fn search(
     // A guess may carry more than an elastic contact can.
     form.put_in_modes(&mut guess, 0.0, &|_| None);
     let guess = &guess;
-    let failure = match find(form, guess, period) {
-        Err(failure @ Error::NotPeriodic { .. }) => failure,
-        found => return found,
-    };
     let (problem, first) = Problem::new(form, guess, period)?;
+    let found = problem.solve(first.clone());
+    let is_family = match &found {
+        Ok(found) => problem.conserves(found) == Some(false),
+        Err(Error::NotPeriodic { .. } | Error::AtRest) => true,
+        Err(_) => return found,
+    };
+    // Without damping, Newton's method may go far along the family, or leave it: the center is
+    // closed for each period.
+    if is_family
+        && let Some(period) = problem.return_time(&first)
+        && let Ok(nearer) = find(form, guess, Period::Free(period))
+        && problem.conserves(&nearer) == Some(true)
+    {
+        return Ok(nearer);
+    }
+    let Err(failure @ Error::NotPeriodic { .. }) = found else {
+        return found;
+    };
     // Where the flow jumps at the guess, an event, Newton's method may find no way. A free motion
     // can begin elsewhere.
     let apart = problem.section.as_ref();

@@ -1,9 +1,14 @@
 //! Continuous families of periodic motions: the member found conserves what its start conserves,
 //! and the motion says that it is one of a family, and in which directions.
 
+use std::f64::consts::TAU;
+
 use stick_slip::orbit::{AttractorKind, Orbit, Period, classify, settle, shoot};
 use stick_slip::structure::State;
-use stick_slip::{Contact, ContactLaw, Coulomb, Drive, Error, Motion, Scalar, Slip, Structure};
+use stick_slip::{
+    Contact, ContactLaw, Coulomb, Drive, Error, ForceElement, MassOnBelt, Motion, PolynomialSpring,
+    Scalar, Slip, Structure,
+};
 
 use crate::common::{at_least, exactly, larger, memory_stays, one_mass};
 
@@ -220,6 +225,9 @@ fn motions_of_any_energy_are_a_family() {
     };
     let start = State::new(&[1.0, 0.4], &[0.0, 0.0]);
     let found = settle(&bounces, &start, 150.0, Period::Free(4.3)).unwrap();
+    // The damped mass has come to rest; the energy is that of the start.
+    let apart = energy(&found.state()) - energy(&start);
+    assert!(apart.abs() < 1e-13, "{apart:e}");
     let largest = found.extremes(0).1;
     assert!((found.period() - period(largest)).abs() < 1e-12);
     let [direction] = exactly(found.families());
@@ -238,4 +246,84 @@ fn motions_of_any_energy_are_a_family() {
     assert_eq!(found.multipliers().len(), 3);
     assert!((found.multipliers()[0] - 1.0).norm() < 1e-9);
     assert!(found.is_stable());
+}
+
+/// The energy of a mass on the spring x + x³.
+fn hardening(q: f64, v: f64) -> f64 {
+    0.5 * (v * v + q * q) + 0.25 * q.powi(4)
+}
+
+/// A mass on a hardening spring without damping: each start belongs to a periodic motion, which is
+/// found with its energy, however wrong the estimate of the period is.
+#[test]
+fn the_energy_of_an_undamped_mass_is_that_of_the_start() {
+    let spring = PolynomialSpring::new(&[1.0, 0.0, 1.0]).unwrap();
+    let system = Structure::new(&[1.0])
+        .and_then(|s| s.with_element(ForceElement::new(0, spring)?))
+        .unwrap();
+    for (q, v) in [(1.0, 0.0), (0.6, -0.9), (0.0, 2.0), (-0.2, 0.1)] {
+        let start = State::new(&[q], &[v]);
+        // A quarter of the period is twice the time from 0 at which the velocity is 0, by the mean
+        // of arithmetic and geometric means: T = 2π/(M √(1 + a²)), modulus² m = a²/(2(1 + a²)).
+        let energy = hardening(q, v);
+        let square = (1.0 + 4.0 * energy).sqrt() - 1.0;
+        let (mut a, mut g) = (1.0, (1.0 - square / (2.0 * (1.0 + square))).sqrt());
+        for _ in 0..8 {
+            (a, g) = (0.5 * (a + g), (a * g).sqrt());
+        }
+        let period = TAU / (a * (1.0 + square).sqrt());
+        for part in [0.8, 0.97, 1.0, 1.2] {
+            let found = shoot(&system, &start, Period::Free(part * period)).unwrap();
+            let (q, v) = (found.state().displacements[0], found.state().velocities[0]);
+            let apart = hardening(q, v) - energy;
+            assert!(apart.abs() < 1e-14 * (1.0 + energy), "{part}: {apart:e}");
+            assert!((found.period() - period).abs() < 1e-13 * period);
+            assert_eq!(found.families().len(), 1);
+        }
+    }
+}
+
+/// Constant friction on a belt that is never reached: the motion is that of an undamped spring
+/// about another place.
+#[test]
+fn the_amplitude_of_slip_without_damping_is_that_of_the_start() {
+    let system = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 2.0).unwrap();
+    for (q, v) in [(0.5, 0.3), (1.2, -1.0), (0.3, 1.5)] {
+        let found = shoot(&system, &stick_slip::State::new(q, v), Period::Free(6.0)).unwrap();
+        assert!((found.period() - TAU).abs() < 1e-13);
+        let amplitude = (q - 0.3f64).hypot(v);
+        let apart = found.amplitude(0) - amplitude;
+        assert!(
+            apart.abs() < 1e-14 * (1.0 + amplitude),
+            "{q} {v}: {apart:e}"
+        );
+    }
+}
+
+/// A damper of friction that has stopped: the mass that it held back goes on for ever, with the
+/// energy that is left.
+#[test]
+fn energy_that_friction_left_is_kept() {
+    let spring = PolynomialSpring::new(&[1.0, 0.0, 1.0]).unwrap();
+    let coupling = PolynomialSpring::new(&[0.2, 0.0, 0.4]).unwrap();
+    let system = Structure::new(&[1.0, 0.5])
+        .and_then(|s| s.with_element(ForceElement::new(0, spring)?))
+        .and_then(|s| s.with_element(ForceElement::between(0, 1, coupling)?))
+        .and_then(|s| s.with_contact(Contact::new(1, Coulomb::new(0.6, 0.4)?, 1.0)?))
+        .unwrap();
+    let start = State::new(&[2.0, 0.0], &[0.0, 0.5]);
+    let transient = 80.0;
+    let settled = system.simulate(start.clone(), transient).unwrap().last();
+    let energy = |state: &State| {
+        let (q, p) = (state.displacements[0], state.displacements[1]);
+        hardening(q, state.velocities[0]) + 0.1 * (q - p).powi(2) + 0.1 * (q - p).powi(4)
+    };
+    for period in [3.0, 4.0] {
+        let found = settle(&system, &start, transient, Period::Free(period)).unwrap();
+        assert_eq!(found.unslipped(), [0]);
+        let apart = energy(&found.state()) - energy(&settled);
+        assert!(apart.abs() < 1e-13, "{apart:e}");
+        let kept = found.state().displacements[1] - settled.displacements[1];
+        assert_eq!(kept, 0.0);
+    }
 }
