@@ -120,7 +120,8 @@ pub(crate) fn is_neutral(
     };
     let [sizes, along] = [&u, &w].map(|x| x.map(|x| x.norm()));
     let terms = sizes.dot(&(matrix.abs() * along)) / u.dotc(&w).norm();
-    !(real > part * terms)
+    // Where the vectors are too nearly normal for a size, nothing is known of the sign.
+    real <= part * terms || terms.is_nan()
 }
 
 /// The number of eigenvalues in the right half plane, with those of rounding left out.
