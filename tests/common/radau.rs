@@ -129,9 +129,9 @@ fn newton(
             at[n] = y[n] + h * sum;
         }
         rates(&at, &mut here);
-        for n in 0..size {
+        for (n, rate) in here.iter().enumerate() {
             let row = size * i + n;
-            right[row] = here[n] - slopes[row];
+            right[row] = rate - slopes[row];
             matrix[all * row + row] += 1.0;
         }
         for by in 0..size {
