@@ -70,7 +70,7 @@
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
-//! | rate-and-state friction, earthquakes, laboratory sliders | [`RateState`] in a [`Structure`]; formulas in [`analysis::rate_state`] |
+//! | rate-and-state friction, earthquakes, laboratory sliders | [`RateState`] in a [`Structure`]; formulas in [`analysis::rate_state`]; a fit of a, b and D_c: the example `rate_state_lab` |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
