@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 use stick_slip::analysis::rate_state::first_integral;
 use stick_slip::structure::{State, Step};
-use stick_slip::{Contact, Error, Integrator, RateState, Segment, Structure, Trajectory};
+use stick_slip::{Contact, Drive, Error, Integrator, RateState, Segment, Structure, Trajectory};
 
 use crate::common::radau::{Matrix, STAGES, corrections, end, weights};
 use crate::common::{Random, Worst, count, larger, list, number, text};
@@ -423,6 +423,33 @@ impl<const N: usize> Sliders<N> {
             farthest = farthest.max((found[Self::MASSES] - plate.ln()).abs());
         }
         farthest
+    }
+}
+
+/// A plate that stops under a block at rest: the sliding speed is 0 there, and the numbers of both
+/// ends of the step are those of their states.
+#[test]
+fn a_plate_that_stops_takes_no_number_from_a_state() {
+    let law = RateState::aging(0.62, 0.010, 0.014, 15e-6, 1e-6).unwrap();
+    let (stiffness, load, plate) = (1e7, 1e4, 1e-6);
+    let stops = [(0.0, plate), (10.0, plate), (10.0, 0.0), (20.0, 0.0)];
+    let block = Structure::new(&[20.0])
+        .and_then(|block| block.with_ground_spring(0, stiffness))
+        .and_then(|block| {
+            let contact = Contact::new(0, law, load)?;
+            block.with_contact(contact.on_belt(Drive::profile(&stops)?))
+        })
+        .unwrap();
+    let place = load * law.steady(plate) / stiffness;
+    let start = State::new(&[place], &[0.0]).with_memory(&[law.memory_at(plate)]);
+    let start = start.with_sliding(0, -plate);
+    let mut flow = Integrator::new().flow(&block, start).unwrap();
+    let step = flow.next().unwrap().unwrap();
+    for (state, speed) in [(step.state(), -plate), (&step.end_state(), 0.0)] {
+        assert_eq!(state.displacements, [place]);
+        assert_eq!(state.velocities, [0.0]);
+        assert_eq!(state.memory, [0.0]);
+        assert_eq!(state.sliding(), [(0, speed)]);
     }
 }
 

@@ -229,7 +229,9 @@ impl Situation {
                 Phase::Slip {
                     direction, speed, ..
                 } => Some((c, direction.sign() * speed + 0.0)),
-                Phase::Open | Phase::Stick { .. } => None,
+                // Until it is decided to which side it slips.
+                Phase::Stick { .. } => Some((c, 0.0)),
+                Phase::Open => None,
             })
     }
 
