@@ -3,7 +3,7 @@
 
 pub(super) mod run;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex;
 
 use super::course::{Course, since_zero};
@@ -364,12 +364,18 @@ impl PeriodMap {
             return Vec::new();
         };
         let scaled = found.column_iter().map(|column| {
-            let direction = column.rows(0, order).into_owned();
+            let (direction, longer) = self.changes(column, unit);
             let largest = direction[direction.icamax()];
-            let longer = column.get(order).map_or(0.0, |longer| longer / unit);
             (direction / largest, longer / largest)
         });
         scaled.collect()
+    }
+
+    /// The change of the start, in units of the sizes, and the relative change of the period, from
+    /// the unknowns of the [equations](Self::equations).
+    pub(super) fn changes(&self, unknowns: DVectorView<'_, f64>, unit: f64) -> (DVector<f64>, f64) {
+        let longer = unknowns.get(self.order()).map_or(0.0, |last| last / unit);
+        (unknowns.rows(0, self.order()).into_owned(), longer)
     }
 
     /// The number of families that are known without their directions: those of contacts that never

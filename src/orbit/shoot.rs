@@ -36,6 +36,13 @@ const MOST_STEPS: usize = 60;
 /// The smallest damping factor of a Newton step.
 const LEAST_PART: f64 = 1.0 / 1024.0;
 
+/// A closed motion that was found.
+struct Found {
+    motion: TrialMotion,
+    /// Whether it conserves what the guess conserves; `None` if it is not one of a family.
+    conserves: Option<bool>,
+}
+
 /// The number of parts of the estimate of a period in which a return is looked for.
 const PARTS: usize = 256;
 
@@ -126,7 +133,7 @@ impl<'s> Problem<'s> {
     /// Newton's method keeps what is linear in the state. Of any other conserved quantity it keeps
     /// the gradient at the closed motion only: the found motion is moved along its family until the
     /// guess lies across this gradient, and closed again.
-    fn solve(&self, first: TrialMotion) -> Result<TrialMotion, Error> {
+    fn solve(&self, first: TrialMotion) -> Result<Found, Error> {
         let mut found = self.close(first)?;
         let mut missed = self.missed(&found);
         for _ in 0..MOST_RETURNS {
@@ -149,7 +156,11 @@ impl<'s> Problem<'s> {
             }
             (found, missed) = (nearer, still);
         }
-        Ok(found)
+        let conserves = missed.map(|(back, _)| back.amax() <= CLOSED * found.map.growth());
+        Ok(Found {
+            motion: found,
+            conserves,
+        })
     }
 
     /// The change of the start of a closed motion, along its family and in units of the sizes, with
@@ -162,8 +173,7 @@ impl<'s> Problem<'s> {
         let mut away = vector(&map.start, order) - &self.guess;
         map.kept().into_iter().for_each(|row| away[row] = 0.0);
         let back = restoring(matrix, &away.component_div(&map.sizes()), SINGULAR)?;
-        let longer = back.get(order).map_or(0.0, |longer| longer / unit);
-        Some((back.rows(0, order).into_owned(), longer))
+        Some(map.changes(back.column(0), unit))
     }
 
     /// The time, from a half to one and a half of the estimate, at which the motion from the guess
@@ -192,13 +202,6 @@ impl<'s> Problem<'s> {
         let passages = passages.map(|time| (time, missed(time)));
         let nearest = passages.min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map(|(time, _)| time)
-    }
-
-    /// Returns true if a motion of a family conserves what the guess conserves; `None` where there
-    /// is no family.
-    fn conserves(&self, found: &TrialMotion) -> Option<bool> {
-        let (missed, _) = self.missed(found)?;
-        Some(missed.amax() <= CLOSED * found.map.growth())
     }
 
     /// Damped Newton's method: a step that would increase the residual is shortened.
@@ -409,37 +412,38 @@ pub(super) fn search(
     // A guess may carry more than an elastic contact can.
     form.put_in_modes(&mut guess, 0.0, &|_| None);
     let guess = &guess;
-    let (problem, first) = Problem::new(form, guess, period)?;
-    let found = problem.solve(first.clone());
-    let is_family = match &found {
-        Ok(found) => problem.conserves(found) == Some(false),
-        Err(Error::NotPeriodic { .. } | Error::AtRest) => true,
-        Err(_) => return found,
+    let found = find(form, guess, period);
+    let may_be_family = match &found {
+        Ok(found) => found.conserves == Some(false),
+        Err(error) => matches!(error, Error::NotPeriodic { .. } | Error::AtRest),
     };
+    if !may_be_family {
+        return found.map(|found| found.motion);
+    }
+    let (problem, first) = Problem::new(form, guess, period)?;
     // Without damping, Newton's method may go far along the family, or leave it: the center is
     // closed for each period.
-    if is_family
-        && let Some(period) = problem.return_time(&first)
+    if let Some(period) = problem.return_time(&first)
         && let Ok(nearer) = find(form, guess, Period::Free(period))
-        && problem.conserves(&nearer) == Some(true)
+        && nearer.conserves == Some(true)
     {
-        return Ok(nearer);
+        return Ok(nearer.motion);
     }
     let Err(failure @ Error::NotPeriodic { .. }) = found else {
-        return found;
+        return found.map(|found| found.motion);
     };
     // Where the flow jumps at the guess, an event, Newton's method may find no way. A free motion
     // can begin elsewhere.
     let apart = problem.section.as_ref();
     let apart = apart.map(|_| run::begun_apart(form, &first.map, first.period));
     match apart.transpose()?.flatten() {
-        Some(apart) => find(form, &apart.start, period),
+        Some(apart) => find(form, &apart.start, period).map(|found| found.motion),
         None => Err(failure),
     }
 }
 
 /// A closed motion near a guess.
-fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMotion, Error> {
+fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<Found, Error> {
     let (problem, first) = Problem::new(form, guess, period)?;
     problem.solve(first)
 }

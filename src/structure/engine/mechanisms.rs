@@ -254,21 +254,16 @@ impl Group {
             };
             [unit * scaled.clamp(-1.0, 1.0), slope]
         };
-        let carried = |u: &DVector<f64>| {
-            let mut slips = &self.rows * u;
-            for (row, s) in slips.iter_mut().enumerate() {
-                *s = share(row, *s)[0];
+        let each = |u: &DVector<f64>, which: usize| {
+            let mut all = &self.rows * u;
+            for (row, s) in all.iter_mut().enumerate() {
+                *s = share(row, *s)[which];
             }
-            slips
+            all
         };
+        let carried = |u: &DVector<f64>| each(u, 0);
+        let slopes = |u: &DVector<f64>| each(u, 1);
         let residual = |u: &DVector<f64>| &goal - self.rows.transpose() * carried(u);
-        let slopes = |u: &DVector<f64>| {
-            let mut slips = &self.rows * u;
-            for (row, s) in slips.iter_mut().enumerate() {
-                *s = share(row, *s)[1];
-            }
-            slips
-        };
         // The step of Newton's method.
         let solve = |slopes: &DVector<f64>, rest: &DVector<f64>| {
             let mut second = DMatrix::identity(rank, rank) * 1e-12;

@@ -23,9 +23,6 @@ pub(crate) struct Spectrum {
 impl Spectrum {
     /// `None` if the matrix holds a number that is not finite, or if they do not converge.
     pub(crate) fn of(mut matrix: DMatrix<f64>) -> Option<Self> {
-        if !matrix.iter().all(|x| x.is_finite()) {
-            return None;
-        }
         let _ = balance(&mut matrix);
         let values = eigenvalues_of(matrix.clone())?;
         let growing = growing(&matrix, &values, ROUNDING);
