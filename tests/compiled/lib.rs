@@ -8,8 +8,9 @@
 #![allow(missing_docs)]
 
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Directional, Dwell, Error, Exponential,
-    LuGre, MassOnBelt, Polynomial, Rational, State, Stribeck, Tabulated, Trajectory,
+    AnyContactLaw, AnyLaw, Backlash, Contact, ContactLaw, Coulomb, Directional, Dwell, Error,
+    Exponential, ForceElement, ForceLaw, LuGre, MassOnBelt, Pendulum, Polynomial, PolynomialSpring,
+    RateState, RateState2, Rational, State, Stribeck, Tabulated, Trajectory,
 };
 use stick_slip_tests_common::any::Any;
 use stick_slip_tests_common::bristles::Bristles;
@@ -66,7 +67,28 @@ of_contacts! {
     polynomial: Polynomial,
     raised: Raised,
     raised_memory: AnyContactLaw<Raised>,
+    rate_state: RateState,
+    rate_state_of_two: RateState2,
     rational: Rational,
     stribeck: Stribeck,
     tabulated: Tabulated
+}
+
+/// The law of a force element.
+macro_rules! of_elements {
+    ($($name:ident: $law:ty),*) => { $(
+        pub fn $name(law: $law) -> Result<ForceElement, Error> {
+            element(law)
+        }
+    )* };
+}
+
+fn element<L: ForceLaw + Send + Sync + 'static>(law: L) -> Result<ForceElement, Error> {
+    ForceElement::new(0, law)
+}
+
+of_elements! {
+    backlash: Backlash,
+    pendulum: Pendulum,
+    polynomial_spring: PolynomialSpring
 }

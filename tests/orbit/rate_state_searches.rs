@@ -244,7 +244,7 @@ fn a_cycle_ends_at_the_critical_load() {
         let is_stable = Fault { load, ..FAULT }.critical() < FAULT.stiffness;
         *(if is_stable { &mut low } else { &mut high }) = load;
     }
-    let branch = follow(family, FAULT.load, &cycle(), 0.5 * low..1.1 * FAULT.load).unwrap();
+    let branch = follow(family, FAULT.load, &cycle(), 0.9 * low..1.01 * FAULT.load).unwrap();
     let hopf = branch.ends.iter().find_map(|end| match end {
         BranchEnd::Hopf { parameter } => Some(*parameter),
         _ => None,
