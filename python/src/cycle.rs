@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use pyo3::exceptions::PyTypeError;
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use stick_slip::Error;
@@ -682,6 +683,12 @@ impl Along {
 
 #[pymethods]
 impl Along {
+    /// For the collector of cycles: a family may hold its own search.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.family)?;
+        visit.call(&self.progress)
+    }
+
     /// Where steady sliding gains or loses stability.
     fn hopf(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Hopf))

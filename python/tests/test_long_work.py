@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import threading
 import time
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -149,6 +151,21 @@ def test_the_lock_is_released() -> None:
     done.set()
     thread.join()
     assert ticks > 20
+
+
+def test_a_family_that_holds_its_own_search_is_collected() -> None:
+    class Family:
+        search: ss.Along
+
+        def __call__(self, belt_velocity: float) -> ss.MassOnBelt:
+            return family(belt_velocity)
+
+    held = Family()
+    held.search = ss.along(held, 0.1, 0.3)
+    alive = weakref.ref(held)
+    del held
+    gc.collect()
+    assert alive() is None
 
 
 def test_results_of_threads_are_the_same_bits() -> None:
