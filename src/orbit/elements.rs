@@ -81,8 +81,8 @@ impl Along {
             let velocities = vec![PowerSeries::ZERO];
             return Self::on_piece((element, piece), positions, velocities, step);
         }
-        let start = element.along(|j| step.state().displacements[j]);
-        let series = |k: usize| element.along(|j| step.series().get(j).map_or(0.0, |v| v[k]));
+        let start = element.along(&|j| step.state().displacements[j]);
+        let series = |k: usize| element.along(&|j| step.series().get(j).map_or(0.0, |v| v[k]));
         let mut velocities = vec![PowerSeries::ZERO; start.len()];
         for k in 0..TERMS {
             for (velocity, coefficient) in std::iter::zip(&mut velocities, series(k)) {

@@ -305,7 +305,7 @@ impl TangentFlow<'_> {
                 EventKind::Close => step.stops()[number] == OPEN,
                 _ => law.is_adhesive,
             };
-            let rate = element.along(|j| velocities()[j])[0];
+            let rate = element.along(&|j| velocities()[j])[0];
             if !is_jump || rate == 0.0 {
                 return None;
             }

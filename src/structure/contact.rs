@@ -415,7 +415,7 @@ impl Contact {
         let linear = self.load.value(time) + terms.sum::<f64>();
         let laws = self.load_data();
         laws.fold(linear, |sum, law| {
-            sum + law.pressure(time, displacement, &velocity)
+            sum + law.pressure(time, &displacement, &velocity)
         })
     }
 

@@ -61,7 +61,7 @@ impl Structure {
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
         });
         let elements = model.force_elements().iter().map(|element| {
-            let energy = element.potential(|j| state.displacements[j]);
+            let energy = element.potential(&|j| state.displacements[j]);
             element.factor.value(time) * energy
         });
         let energy =
@@ -184,7 +184,7 @@ impl Energies<'_, '_> {
         let springs = carried.chain(self.of_normals(instant)).sum::<f64>();
         let elements = zip(self.model.forces_and_stops(), &instant.elements);
         let elements =
-            elements.map(|(element, at)| at.factor[0] * element.potential(|j| displacements[j]));
+            elements.map(|(element, at)| at.factor[0] * element.potential(&|j| displacements[j]));
         self.kinetic(velocities) + self.elastic(displacements) + springs + elements.sum::<f64>()
     }
 
@@ -270,11 +270,11 @@ impl Energies<'_, '_> {
         }
         let elements = zip(self.model.forces_and_stops(), &instant.elements);
         for (e, (element, at)) in elements.enumerate() {
-            let slopes = element.potential_slopes(|j| q[j]);
-            let parts = zip(element.along(|j| v[j]), zip(&at.forces, slopes));
+            let slopes = element.potential_slopes(&|j| q[j]);
+            let parts = zip(element.along(&|j| v[j]), zip(&at.forces, slopes));
             let power = parts.map(|(velocity, (force, slope))| velocity * (force - slope));
             let [factor, change] = at.factor;
-            let given = change * element.potential(|j| q[j]);
+            let given = change * element.potential(&|j| q[j]);
             let work = weight * (given - factor * power.sum::<f64>());
             match e.checked_sub(budget.element_work.len()) {
                 None => budget.element_work[e] += work,
@@ -297,7 +297,7 @@ impl Energies<'_, '_> {
         let factors = zip(&before.elements, &after.elements);
         let elements = zip(self.model.force_elements(), factors);
         for (work, (element, (from, to))) in zip(&mut budget.element_work, elements) {
-            let energy = element.potential(|j| after.state.displacements[j]);
+            let energy = element.potential(&|j| after.state.displacements[j]);
             *work += (to.factor[0] - from.factor[0]) * energy;
         }
     }

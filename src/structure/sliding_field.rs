@@ -347,10 +347,10 @@ fn forces_along(
     line: &DVector<f64>,
 ) -> Vec<PowerSeries> {
     let n = model.len();
-    let along = element.along(|j| line[model.position_row(j)]);
+    let along = element.along(&|j| line[model.position_row(j)]);
     let positions = std::iter::zip(&tangent.positions, along);
     let positions = positions.map(|(x, part)| linear(*x, part));
-    let velocities = element.along(|j| if j < n { line[n + j] } else { 0.0 });
+    let velocities = element.along(&|j| if j < n { line[n + j] } else { 0.0 });
     let velocities = velocities.into_iter();
     let velocities = velocities.map(|part| linear(0.0, part));
     element.law.series(Place {

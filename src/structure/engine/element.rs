@@ -50,9 +50,9 @@ impl<'s> ElementData<'s> {
     }
 
     /// a_i·x of each direction.
-    pub(crate) fn along(&self, x: impl Fn(usize) -> f64) -> Vec<f64> {
+    pub(crate) fn along(&self, x: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let directions = self.directions.iter();
-        directions.map(|direction| sum(direction, &x)).collect()
+        directions.map(|direction| sum(direction, x)).collect()
     }
 
     /// The piece of the law just above a position.
@@ -72,8 +72,8 @@ impl<'s> ElementData<'s> {
     /// law, if it is given.
     pub(crate) fn forces(
         &self,
-        q: impl Fn(usize) -> f64,
-        v: impl Fn(usize) -> f64,
+        q: &dyn Fn(usize) -> f64,
+        v: &dyn Fn(usize) -> f64,
         piece: Option<usize>,
     ) -> Vec<f64> {
         let (positions, velocities) = (self.along(q), self.along(v));
@@ -88,8 +88,8 @@ impl<'s> ElementData<'s> {
     pub(crate) fn pressure(
         &self,
         time: f64,
-        q: impl Fn(usize) -> f64,
-        v: impl Fn(usize) -> f64,
+        q: &dyn Fn(usize) -> f64,
+        v: &dyn Fn(usize) -> f64,
     ) -> f64 {
         self.factor.value(time) * self.forces(q, v, None)[0]
     }
@@ -99,8 +99,8 @@ impl<'s> ElementData<'s> {
     pub(crate) fn rate_by_positions(
         &self,
         factor: f64,
-        q: impl Fn(usize) -> f64,
-        v: impl Fn(usize) -> f64,
+        q: &dyn Fn(usize) -> f64,
+        v: &dyn Fn(usize) -> f64,
     ) -> f64 {
         let (positions, velocities) = (self.along(q), self.along(v));
         let place = self.place(&positions, &velocities);
@@ -114,7 +114,7 @@ impl<'s> ElementData<'s> {
 
     /// F_i, and their derivatives by x_j and then y_j, a list over i for each, without the factor.
     pub(crate) fn tangent(&self, q: &[f64], v: &[f64]) -> ElementTangent {
-        let [positions, velocities] = [q, v].map(|x| self.along(|j| x[j]));
+        let [positions, velocities] = [q, v].map(|x| self.along(&|j| x[j]));
         let place = self.place(&positions, &velocities);
         let inputs = 0..2 * positions.len();
         ElementTangent {
@@ -125,7 +125,7 @@ impl<'s> ElementData<'s> {
     }
 
     /// U; 0 for a law without a potential.
-    pub(crate) fn potential(&self, q: impl Fn(usize) -> f64) -> f64 {
+    pub(crate) fn potential(&self, q: &dyn Fn(usize) -> f64) -> f64 {
         let positions = self.along(q);
         let zeros = vec![0.0; positions.len()];
         let place = self.place(&positions, &zeros);
@@ -133,7 +133,7 @@ impl<'s> ElementData<'s> {
     }
 
     /// ∂U/∂x_i; 0 for a law without a potential.
-    pub(crate) fn potential_slopes(&self, q: impl Fn(usize) -> f64) -> Vec<f64> {
+    pub(crate) fn potential_slopes(&self, q: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let positions = self.along(q);
         let zeros = vec![0.0; positions.len()];
         let place = self.place(&positions, &zeros);
@@ -167,7 +167,7 @@ pub(crate) struct ElementTangent {
 }
 
 /// Σ |a_j x_j|.
-pub(super) fn sum_of_sizes(direction: &Entries, x: impl Fn(usize) -> f64) -> f64 {
+pub(super) fn sum_of_sizes(direction: &Entries, x: &dyn Fn(usize) -> f64) -> f64 {
     direction.iter().map(|&(j, a)| (a * x(j)).abs()).sum()
 }
 

@@ -125,7 +125,7 @@ impl<'a, 's> Forces<'a, 's> {
         let elements = model.forces_and_stops().enumerate().map(|(e, element)| {
             let factor = drive(&element.factor);
             let piece = e.checked_sub(stops).map(|stop| step.stops()[stop]);
-            let forces = element.forces(|j| q[j], |j| v[j], piece);
+            let forces = element.forces(&|j| q[j], &|j| v[j], piece);
             for (force, response) in std::iter::zip(&forces, &element.responses) {
                 for &(j, x) in response {
                     accelerations[j] -= x * (factor[0] * force);
@@ -150,7 +150,7 @@ impl<'a, 's> Forces<'a, 's> {
                     at.load = drive(&contact.load)[0] + contact.displacement_load(|j| q[j]);
                     let laws = model.load_laws(c).iter().map(|law| AtElement {
                         factor: drive(&law.factor),
-                        forces: law.forces(|j| q[j], |j| v[j], None),
+                        forces: law.forces(&|j| q[j], &|j| v[j], None),
                     });
                     at.laws = laws.collect();
                     for law in &at.laws {
@@ -264,7 +264,7 @@ impl Instant {
         laws.fold(linear, |sum, (law, at)| {
             let tangent = law.tangent(q, v);
             let [factor, change] = at.factor;
-            let rates = [v, &self.accelerations].map(|x| law.along(|j| x[j])[0]);
+            let rates = [v, &self.accelerations].map(|x| law.along(&|j| x[j])[0]);
             let parts = std::iter::zip(&tangent.slopes, rates);
             let change = change * at.forces[0];
             sum + change + factor * parts.map(|(slope, rate)| slope[0] * rate).sum::<f64>()

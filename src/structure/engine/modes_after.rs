@@ -325,8 +325,8 @@ fn open_unloaded(
         let mut rate = contact.displacement_load(velocity);
         for law in model.load_laws(c) {
             let factor = law.factor.value(situation.clock.time);
-            value += factor * law.forces(displacement, velocity, None)[0];
-            rate += law.rate_by_positions(factor, displacement, velocity);
+            value += factor * law.forces(&displacement, &velocity, None)[0];
+            rate += law.rate_by_positions(factor, &displacement, &velocity);
         }
         let rounding = EDGE_ROUNDING * f64::EPSILON * load_terms(model, situation, series, c);
         let of = &mut series.contacts[c];

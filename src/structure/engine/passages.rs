@@ -41,7 +41,7 @@ impl ElementState {
             None => element.breakpoints.iter().position(|b| *b == positions[0]),
             Some(stop) => {
                 let direction = &element.directions[0];
-                let sizes = [sum_of_sizes(direction, q), sum_of_sizes(direction, v)];
+                let sizes = [sum_of_sizes(direction, &q), sum_of_sizes(direction, &v)];
                 border_at(stop, time, [positions[0], velocities[0]], sizes)
             }
         };
