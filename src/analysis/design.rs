@@ -23,7 +23,7 @@ use std::ops::Range;
 
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::{AlongSlope, FrictionLaw};
+use crate::friction::{AlongSlope, FarEnd, FrictionLaw};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable. Dimensionless,
 /// exact.
@@ -111,9 +111,11 @@ pub fn stabilizing_damping_over<L: FrictionLaw>(
         constant: 0.0,
         factor: 1.0,
     };
-    let steepest = -slope.least(
-        velocities,
-        ["design::stabilizing_damping_over", "velocities.end"],
-    )?;
+    let far = FarEnd {
+        of: "design::stabilizing_damping_over",
+        name: "velocities.end",
+        value: end,
+    };
+    let steepest = -slope.least(velocities, far)?;
     Ok(0.5 * system.load() * steepest.max(0.0))
 }

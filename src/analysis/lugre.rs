@@ -13,7 +13,7 @@
 
 use crate::error::Error;
 use crate::friction::memory::LuGre;
-use crate::friction::{AlongSlope, FrictionLaw};
+use crate::friction::{AlongSlope, FarEnd, FrictionLaw};
 
 /// Steady sliding at a relative velocity r, with the rate at which a perturbation of the bristles
 /// decays.
@@ -176,10 +176,12 @@ pub fn passive_viscosity<L: FrictionLaw>(law: &LuGre<L>, max_speed: f64) -> Resu
     };
     // A turning point below the least speed of the search is a speed of 0.
     let least_speed = f64::EPSILON * max_speed;
-    let turns = slope.sign_changes(
-        &(least_speed..max_speed),
-        ["lugre::passive_viscosity", "max_speed"],
-    )?;
+    let far = FarEnd {
+        of: "lugre::passive_viscosity",
+        name: "max_speed",
+        value: max_speed,
+    };
+    let turns = slope.sign_changes(&(least_speed..max_speed), far)?;
     let speeds = turns.into_iter().chain([0.0, max_speed]);
     let (mut lowest, mut highest) = (f64::INFINITY, 0.0_f64);
     for speed in speeds {

@@ -3,7 +3,7 @@ use std::ops::Range;
 use super::along::{Along, Work, along_velocities};
 use crate::belt::{Criticality, MassOnBelt};
 use crate::error::Error;
-use crate::friction::{AlongSlope, FrictionLaw};
+use crate::friction::{AlongSlope, FarEnd, FrictionLaw};
 use crate::numerics::scan::sign_changes;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
@@ -90,16 +90,18 @@ pub(super) fn hopf(
                 constant: 2.0 * system.damping(),
                 factor: system.load(),
             };
-            let speeds = |range: Range<f64>| {
-                damping.sign_changes(&range, ["bifurcation::along", "range.end"])
+            let speeds = |range: Range<f64>, name, value| {
+                let of = "bifurcation::along";
+                damping.sign_changes(&range, FarEnd { of, name, value })
             };
             if part.start < 0.0 {
                 // The mirror image. Its end belongs to the range, and is seen from beyond.
-                let mirrored = speeds(part.end.abs()..part.start.abs() * (1.0 + LOOK_BEYOND))?;
+                let range = part.end.abs()..part.start.abs() * (1.0 + LOOK_BEYOND);
+                let mirrored = speeds(range, "range.start", part.start)?;
                 let velocities = mirrored.iter().rev().map(|speed| -speed);
                 found.extend(velocities.filter(|v_b| part.contains(v_b)));
             } else {
-                found.append(&mut speeds(part.clone())?);
+                found.append(&mut speeds(part.clone(), "range.end", part.end)?);
             }
             Ok(())
         }

@@ -36,18 +36,23 @@ pub(crate) struct AlongSlope<'l> {
     pub(crate) factor: f64,
 }
 
+/// The end of a range that has the highest speed, as the user gave it, for the error that it is too
+/// far away.
+#[derive(Clone, Copy)]
+pub(crate) struct FarEnd {
+    /// The function that was called.
+    pub(crate) of: &'static str,
+    pub(crate) name: &'static str,
+    pub(crate) value: f64,
+}
+
 impl AlongSlope<'_> {
-    /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds. `end`
-    /// is the function that was called and its name of the range's end, for errors.
+    /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds.
     ///
     /// A touch of zero to rounding without a change of sign is not reported. A breakpoint at which
     /// h jumps over zero is reported. If h is zero over a whole interval of speeds and has
     /// different signs on its two sides, the upper end of the interval is reported.
-    pub(crate) fn sign_changes(
-        &self,
-        range: &Range<f64>,
-        end: [&'static str; 2],
-    ) -> Result<Vec<f64>, Error> {
+    pub(crate) fn sign_changes(&self, range: &Range<f64>, end: FarEnd) -> Result<Vec<f64>, Error> {
         let mut changes = SignChanges {
             h: |speed| self.constant + self.factor * self.law.slope(speed),
             positive: None,
@@ -63,7 +68,7 @@ impl AlongSlope<'_> {
     }
 
     /// Least value of h over a range, its ends included, exact to rounding.
-    pub(crate) fn least(&self, range: Range<f64>, end: [&'static str; 2]) -> Result<f64, Error> {
+    pub(crate) fn least(&self, range: Range<f64>, end: FarEnd) -> Result<f64, Error> {
         let mut least = f64::INFINITY;
         self.follow(range, end, &mut |stretch, _| {
             let mut speeds = vec![stretch.start, stretch.start + stretch.length];
@@ -89,7 +94,7 @@ impl AlongSlope<'_> {
     fn follow(
         &self,
         range: Range<f64>,
-        [of, name]: [&'static str; 2],
+        far: FarEnd,
         visit: &mut dyn FnMut(&Stretch, f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let mut start = range.start;
@@ -102,7 +107,8 @@ impl AlongSlope<'_> {
         let mut largest = self.constant;
         for end in ends {
             while start < end {
-                Error::check(of, name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
+                let is_near = stretches < MOST_STRETCHES;
+                Error::check(far.of, far.name, far.value, is_near, TOO_LONG)?;
                 stretches += 1;
                 let mut stretch = self.stretch(start, longest.min(end - start), &mut largest)?;
                 let ends_here = start + stretch.length >= end;

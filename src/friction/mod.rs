@@ -51,7 +51,7 @@ pub use scaled::Scaled;
 pub use stribeck::Stribeck;
 pub use tabulated::Tabulated;
 
-pub(crate) use along::AlongSlope;
+pub(crate) use along::{AlongSlope, FarEnd};
 pub(crate) use check::{
     has_no_kinetic_friction, is_constant_near, is_constant_on, static_is_nan, validate,
 };

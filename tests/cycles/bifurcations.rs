@@ -391,8 +391,17 @@ fn hopf_search_ends_whatever_the_range_and_the_law() {
     let [&near] = exactly(&hopf_velocities(&system, 0.0..1.0).unwrap());
     let [&wide] = exactly(&hopf_velocities(&system, 0.0..1e9).unwrap());
     assert_abs_diff_eq!(wide, near, epsilon = 1e-14);
-    for end in [1e100, 1e300] {
-        refused!(hopf_velocities(&system, 0.0..end) => Error::InvalidParameter { .. });
+    // The end that is too far away is named, as it was given.
+    for (range, name, far) in [
+        (0.0..1e300, "range.end", 1e300),
+        (-1e100..0.5, "range.start", -1e100),
+    ] {
+        match hopf_velocities(&system, range) {
+            Err(Error::InvalidParameter { name: n, value, .. }) => {
+                assert_eq!((n, value), (name, far));
+            }
+            other => panic!("{other:?}"),
+        }
     }
 
     // A kink that is not named is passed; what is not a number is an error.
