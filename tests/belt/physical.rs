@@ -637,3 +637,26 @@ fn the_structure_of_a_brake_is_in_si_units() {
     let loss = structure.energy_budget(&motion).unwrap().friction_loss[0];
     assert_relative_eq!(loss, cycle.energy().friction_loss, max_relative = 1e-12);
 }
+
+/// A load of 10¹² or 10¹⁶ newtons: the cycle is one of relaxation, whose period grows like the load.
+#[test]
+fn the_largest_loads_have_their_cycle() {
+    let period_per_newton = [1e12, 1e16].map(|normal_force| {
+        let physical = Physical {
+            mass: 1.0,
+            stiffness: 1e4,
+            damping: 1.0,
+            normal_force,
+            belt_velocity: 0.1,
+        };
+        let law = Exponential::new(0.4, 0.25, 0.1).unwrap();
+        let block = PhysicalMassOnBelt::new(physical, law).unwrap();
+        // It is carried along from rest on the belt.
+        let end = block.simulate((0.0, 0.1), 1.0).unwrap().last();
+        assert!((end.displacement - 0.1).abs() < 1e-15, "{end:?}");
+        block.stick_slip().unwrap().unwrap().period() / normal_force
+    });
+    let [less, more] = period_per_newton;
+    // What does not grow with the load is 1e-10 of the smaller period.
+    assert!((less / more - 1.0).abs() < 2e-10, "{less} {more}");
+}
