@@ -5,8 +5,7 @@
 //!
 //! * the machine drives the base plate by a programme (`Drive::profile`), and a load cell, the
 //!   spring k, holds the block and measures the friction coefficient kq/N. The motor takes a
-//!   millisecond to change its speed; where a plate stops at once, a motion may end in
-//!   `Error::StepUnderflow`;
+//!   millisecond to change its speed;
 //! * no machine is as stiff as the formulas of `analysis::rate_state` suppose: the block lags
 //!   behind a step and creeps during a hold. A coefficient a read off the peak is too small, and
 //!   healing comes near Dieterich's β = b only in long holds. So the machine must be part of a fit;

@@ -179,7 +179,9 @@ pub enum Error {
     /// The law has a value but no power series at a sliding speed s, for example √s at s = 0.
     #[error(
         "the friction law is not analytic at sliding speed {}{}; use integer powers of the \
-         speed there, or declare the speed as a breakpoint and define the pieces",
+         speed there, or declare the speed as a breakpoint and define the pieces; give the slip \
+         law a least speed with `with_least_speed`, and start a state φ of rate-and-state friction \
+         between -100 and 250",
         Plain(*speed),
         during(reached)
     )]
@@ -581,7 +583,9 @@ pub enum Error {
             "the law has a jump or kink there that is not declared as a breakpoint, or the system \
              is too stiff: γ²·dμ̂/ds exceeds about 1e20, or in a structure a spring, a bristle or \
              the tangential spring of a contact is too stiff; lower this stiffness, or use a \
-             rigid contact"
+             rigid contact; under rate-and-state friction the speed settles, or the state heals, \
+             faster than the clock resolves: start with a smaller |φ|, below 100, or near the \
+             balance of forces"
         }
     )]
     StepUnderflow {

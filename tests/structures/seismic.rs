@@ -491,6 +491,116 @@ fn the_speed_at_the_start_is_forgotten() {
     }
 }
 
+/// The block of a laboratory: 1e7 N/m, 1e4 N, V₀ = 1e-6 m/s.
+fn block(law: RateState, mass: f64, plate: Drive) -> Structure {
+    Structure::new(&[mass])
+        .and_then(|block| block.with_ground_spring(0, 1e7))
+        .and_then(|block| block.with_contact(Contact::new(0, law, 1e4)?.on_belt(plate)))
+        .unwrap()
+}
+
+/// A plate that stops at once leaves the block at rest: the rate at which its speed settles is
+/// above the resolution of the clock. It moves on as from a creep of 1e-9 m/s.
+#[test]
+fn a_block_creeps_on_where_its_plate_stops_at_once() {
+    let law = RateState::aging(0.62, 0.010, 0.014, 15e-6, 1e-6).unwrap();
+    let plate = 1e-6;
+    let stops = [(0.0, plate), (10.0, plate), (10.0, 0.0), (110.0, 0.0)];
+    let system = block(law, 20.0, Drive::profile(&stops).unwrap());
+    let start = State::new(&[1e4 * law.steady(plate) / 1e7], &[0.0]).with_memory(&[0.0]);
+    let whole = system
+        .simulate(start.clone().with_sliding(0, -plate), 110.0)
+        .unwrap();
+    assert!(whole.steps().len() < 150, "{}", whole.steps().len());
+    let held = block(law, 20.0, 0.0.into());
+    let after = held.simulate(start.with_sliding(0, -1e-9), 100.0).unwrap();
+    for time in [1e-3, 1.0, 100.0] {
+        let [found, expected] = [
+            whole.state_at(10.0 + time).unwrap(),
+            after.state_at(time).unwrap(),
+        ];
+        let off = (found.sliding()[0].1 / expected.sliding()[0].1).ln().abs();
+        // The clock at 10 has an error of 2e-15 in a millisecond; V has f/a roundings.
+        assert!(off < 1e-11, "{time}: {off:e}");
+        // 1e-9 m/s last for m V/(Na) = 2e-7 s.
+        let off = (found.displacements[0] - expected.displacements[0]).abs();
+        assert!(off < 2e-16, "{time}: {off:e}");
+        // 2e-16 of D_c.
+        assert!((found.memory[0] - expected.memory[0]).abs() < 2e-11);
+    }
+}
+
+/// At rest with a memory so large that the speed settles within the rounding of any time: the
+/// motion is that from the speed r = −2V₀ e^{−L} sinh(kq/(Na)) at which forces balance.
+#[test]
+fn a_start_at_rest_settles_however_large_its_memory() {
+    let mut random = Random::new(54);
+    for number in 0..count(12, 400) {
+        let laws = [RateState::aging, RateState::slip];
+        let made = laws[number % 2](0.62, 0.01, 0.014, 15e-6, 1e-6);
+        let law = made.unwrap().with_least_speed(1e-300).unwrap();
+        let mass = 10_f64.powf(random.uniform(-4.0, 2.0));
+        let phi = random.uniform(25.0, 140.0);
+        let part = random.uniform(0.2, 1.1);
+        let system = block(law, mass, 1e-6.into());
+        let start = State::new(&[part * 0.62e-3], &[0.0]).with_memory(&[phi]);
+        let balance = ((part - 1.0) * 0.62 - 0.014 * phi) / 0.01;
+        let seen = |speed: f64| {
+            let motion = system.simulate(start.clone().with_sliding(0, speed), 1.0);
+            let motion = motion.unwrap_or_else(|error| panic!("{mass} {phi} {part}: {error}"));
+            assert!(motion.steps().len() < 100, "{}", motion.steps().len());
+            motion.last()
+        };
+        let expected = seen(-1e-6 * balance.exp());
+        for speed in [0.0, -1e-300] {
+            let found = seen(speed);
+            let ratio = found.sliding()[0].1 / expected.sliding()[0].1;
+            assert!(ratio.ln().abs() < 1e-11, "{mass} {phi} {part}: {ratio}");
+            assert!((found.displacements[0] - expected.displacements[0]).abs() < 1e-17);
+            assert!((found.memory[0] - expected.memory[0]).abs() < 1e-13 * phi);
+        }
+    }
+}
+
+/// A memory that heals at 7e11 times its unit per second, so that its last coefficients overflow:
+/// beside Runge-Kutta's method in θ.
+#[test]
+fn memories_whose_series_overflow_are_followed() {
+    let law = RateState::aging(0.62, 0.010, 0.014, 15e-6, 1e-6).unwrap();
+    let (plate, d_c, v0, end) = (1e-6, 15e-6, 1e-6, 1e-5);
+    let system = block(law, 20.0, plate.into());
+    for speed in [1.0, -1.0] {
+        let start = State::new(&[0.62e-3], &[0.0]).with_memory(&[-30.0]);
+        let start = start.with_sliding(0, speed);
+        let found = system.simulate(start, end).unwrap().last();
+        let rates = |[q, r, theta]: [f64; 3]| {
+            let x = r / (2.0 * v0) * ((0.62 + 0.014 * (v0 * theta / d_c).ln()) / 0.01).exp();
+            let force = -1e7 * q - 1e4 * 0.01 * x.asinh();
+            [plate + r, force / 20.0, 1.0 - r.abs() * theta / d_c]
+        };
+        let mut y = [0.62e-3, speed, d_c / v0 * (-30.0_f64).exp()];
+        let mut time = 0.0;
+        while time < end {
+            let h = (0.02 * (y[2] + time)).min(1e-8).min(end - time);
+            let moved = |k: [f64; 3], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+            let k1 = rates(y);
+            let k2 = rates(moved(k1, 0.5 * h));
+            let k3 = rates(moved(k2, 0.5 * h));
+            let k4 = rates(moved(k3, h));
+            y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+            time = if h < end - time { time + h } else { end };
+        }
+        let phi = (v0 * y[2] / d_c).ln();
+        assert!((found.sliding()[0].1 - y[1]).abs() < 1e-11);
+        assert!((found.displacements[0] - y[0]).abs() < 1e-13);
+        assert!(
+            (found.memory[0] - phi).abs() < 1e-8,
+            "{}",
+            found.memory[0] - phi
+        );
+    }
+}
+
 /// One to three sliders of both laws, of stable and of seismic sliding, over several decades of
 /// their speeds, beside an implicit method in the logarithm of the speed.
 #[test]

@@ -25,6 +25,7 @@
 //! | `first_order.rs`, `first_orders.rs` | first-order states: their data, and their orders |
 //! | `slow.rs`, `stiff.rs` | the slow manifold of stiff bristles, and of contacts stiff in the speed |
 //! | `directions.rs` | the directions of such contacts |
+//! | `leap.rs` | speeds that settle within the rounding of time |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
 //! | `step_end.rs` | the state at the end of a step |
@@ -57,6 +58,7 @@ mod first_orders;
 mod group_series;
 mod groups;
 pub(crate) mod instant;
+mod leap;
 pub(super) mod limits;
 mod mechanisms;
 pub(crate) mod model;
@@ -190,7 +192,15 @@ impl<'s> Engine<'s> {
         let (start, modes) = (self.situation.clock, Arc::clone(&self.modes));
         self.situation.add_to(&mut ends, &self.model, &self.series);
         modes.put_at_end(start.time, At::After, n, &mut ends);
-        let settled = self.settle()?;
+        let settled = match self.settle() {
+            Err(_) if self.leap() => {
+                ends.clear();
+                self.situation.add_to(&mut ends, &self.model, &self.series);
+                modes.put_at_end(start.time, At::After, n, &mut ends);
+                self.settle()?
+            }
+            settled => settled?,
+        };
         let series = self.emitted();
         if settled.duration.is_infinite() {
             let span = (settled.duration, start.after(settled.duration));
@@ -263,7 +273,7 @@ impl<'s> Engine<'s> {
         let (tolerance, plan) = (control.tolerance, &mut control.plan);
         let explicit = plan_explicit(model, situation, series, tolerance, plan);
         let is_stiff = plan.is_stiff();
-        if !(is_finite || is_stiff) {
+        if !(is_finite || plan.may_drop) {
             return Err(self.underflow(0.0));
         }
         let reach = slow::relax(model, situation, series, control, explicit);
@@ -300,6 +310,30 @@ impl<'s> Engine<'s> {
         let is_cut = h < cut.min(to_break) || control.longest < reach;
         control.longest = if is_cut { 2.0 * h } else { f64::INFINITY };
         Ok(settled(duration))
+    }
+
+    /// Gives contacts whose steps would be too short the speeds that they reach within the rounding
+    /// of time; returns true if there are any.
+    #[cold]
+    fn leap(&mut self) -> bool {
+        let Self {
+            model,
+            situation,
+            series,
+            control,
+            ..
+        } = self;
+        let mut leaps = false;
+        for c in 0..model.contacts.len() {
+            let Some(end) = leap::speed_after(model, situation, series, &control.plan, c) else {
+                continue;
+            };
+            if let Phase::Slip { speed, rate, .. } = &mut situation.contacts[c].phase {
+                (*speed, *rate, leaps) = (end, None, true);
+            }
+        }
+        control.longest = f64::INFINITY;
+        leaps && expand::expand(model, situation, series, coordinate_series::ALL).is_ok()
     }
 
     /// The step's duration if all velocities are constant and all loads linear in time. No series

@@ -77,6 +77,8 @@ pub(super) struct Plan {
     pub(super) memory_units: Vec<f64>,
     /// Number of the last orders that no series has, because they overflow.
     pub(super) dropped: usize,
+    /// Whether orders that overflow are dropped: if a contact is stiff, or creeps.
+    pub(super) may_drop: bool,
     /// True for each coordinate that its contacts leave no motion of its own, in a slow step;
     /// otherwise empty.
     pub(super) slaved: Vec<bool>,
@@ -261,8 +263,8 @@ pub(super) fn plan_reach(
     }
 }
 
-/// The time up to which explicit series reach. If a contact is stiff, orders that overflow are
-/// dropped, and without nearly all orders the series reach nowhere.
+/// The time up to which explicit series reach. If a contact is stiff or creeps, orders that
+/// overflow are dropped, and without nearly all orders the series reach nowhere.
 pub(super) fn plan_explicit(
     model: &Model<'_>,
     situation: &Situation,
@@ -274,7 +276,8 @@ pub(super) fn plan_explicit(
     const MOST_DROPPED: usize = TERMS - 6;
     plan.dropped = 0;
     let reach = plan_reach(model, situation, series, tolerance, plan);
-    if plan.is_stiff() {
+    plan.may_drop = plan.is_stiff() || !model.creeping.is_empty();
+    if plan.is_stiff() || plan.may_drop && !is_finite(situation, series) {
         plan.dropped = series.truncate();
     }
     match plan.dropped {

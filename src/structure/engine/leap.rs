@@ -1,0 +1,93 @@
+//! Sliding speeds that settle within the rounding of time.
+//!
+//! Where the sliding speed of a creeping contact is far from the balance of forces, at a reversal
+//! or where a surface stops, its rate D may be so large that steps of 1/D are below the resolution
+//! of the clock, or coefficients D^k overflow. What the speed does within that resolution h need
+//! not be followed: it moves monotonically to the balance, and as
+//!
+//! ```text
+//! s' = F(s),   F(s_0) = s_1,   F(s) = s_1 − N G [μ(s) − μ(s_0)] − c (s − s_0)
+//! ```
+//!
+//! has a decreasing F, it passes the solution of s = s_0 + h F(s), the implicit Euler method,
+//! before the time h. It has settled if it comes close to the balance in h/2 and e^{−Dh/2} is
+//! rounding. A speed that passes 0 within h is not treated.
+
+use super::model::Model;
+use super::plan::Plan;
+use super::series::Series;
+use super::state::{Phase, Situation};
+use crate::friction::memory::{Motion, Slip};
+
+/// Decay times after which a deviation is rounding: e^{−40} = 4e-18.
+const SETTLED: f64 = 40.0;
+
+/// Halvings of a range of logarithms of speeds to its rounding.
+const HALVINGS: usize = 80;
+
+/// The speed of contact c after the resolution of time, if nothing else in the motion changes by
+/// more than rounding.
+pub(super) fn speed_after(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    plan: &Plan,
+    c: usize,
+) -> Option<f64> {
+    let (contact, state, of) = (
+        &model.contacts[c],
+        &situation.contacts[c],
+        &series.contacts[c],
+    );
+    let Phase::Slip { speed, .. } = state.phase else {
+        return None;
+    };
+    let i = model.owner_of(c).filter(|_| contact.law.creeps())?;
+    let (slip, memory) = (state.slip(speed)?, |j: usize| state.memory[j]);
+    let at = |speed: f64| Slip { speed, ..slip };
+    let friction = |s: f64| of.load[0] * (contact.law.coefficient(at(s), &memory) * slip.direction);
+    let (braking, damping) = (friction(speed), model.damping.row(i).0);
+    let rate = |s: f64| of.speeds[1] - (friction(s) - braking) - damping * (s - speed);
+    // The solution of s = s_0 + h F(s), or of F(s) = 0, by halving the range of ln s.
+    let solution = |inverse: f64| {
+        let is_below = |s: f64| rate(s) > (s - speed) * inverse;
+        let far = speed.max(speed + of.speeds[1] * plan.unit);
+        let [mut low, mut high] = [f64::MIN_POSITIVE, far];
+        if !(is_below(low) && rate(high) <= 0.0) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = low.sqrt() * high.sqrt();
+            if is_below(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(high)
+    };
+    /// The increment relative to a speed: a difference has half the digits, which is enough.
+    const PART: f64 = 1.0 / (1 << 26) as f64;
+    let balance = solution(0.0)?;
+    // D s, with the force a load carries by its direct effect.
+    let direct = (rate(balance * (1.0 - PART)) - rate(balance * (1.0 + PART))) / (2.0 * PART);
+    let resolution = f64::EPSILON * situation.clock.time.abs().max(plan.unit);
+    let half = 0.5 * resolution;
+    let there = solution(half.recip())?;
+    let is_settled = direct * half > SETTLED * balance && (there / balance).ln().abs() < 1.0;
+    let end = if is_settled { balance } else { there };
+    let is_still = {
+        let moved = speed.max(balance) * resolution;
+        moved <= f64::EPSILON * direct * plan.unit * plan.unit
+    };
+    let mut remembers = true;
+    for s in [speed, balance] {
+        let load = of.load[0] / contact.compliance;
+        let take = &mut |j: usize, rate: f64| {
+            let unit = contact.law.unit_in_creep(at(balance), &memory, j);
+            remembers &= rate.abs() * resolution <= f64::EPSILON * unit.max(1.0);
+        };
+        contact.law.rates(Motion::Slip(at(s)), load, &memory, take);
+    }
+    (is_still && remembers && end != speed && direct > 0.0).then_some(end)
+}
