@@ -68,12 +68,18 @@ pub(crate) fn settle<T>(
         if !is_long_enough(h) {
             return Err(h);
         }
+        let tried = h;
         h = 0.5
             * match attempt(h) {
                 Attempt::Taken(step) => return Ok((step, h)),
                 Attempt::TooCurved => h,
-                Attempt::Inexact(end) => end,
+                // Where an event lies at a break of a drive to rounding, it may be behind h.
+                Attempt::Inexact(end) => end.min(h),
             };
+        // A step of length 0, at a break of a drive, has no half.
+        if h >= tried {
+            return Err(tried);
+        }
     }
 }
 

@@ -562,6 +562,33 @@ fn a_start_at_rest_settles_however_large_its_memory() {
     }
 }
 
+/// A fault whose friction rises with the speed, near steady sliding, where rounding errors of the
+/// coefficients limit the reach of the slow series: D_c/V = 8e6 s.
+#[test]
+fn steady_sliding_takes_few_steps() {
+    let plate = 1e-9;
+    for (k, b) in [(1.6e6, 0.005), (1.6e7, 0.001), (1.6e7, 0.005), (1.6e8, 0.0)] {
+        let law = RateState::aging(0.6, 0.01, b, 0.008, 1e-6).unwrap();
+        let fault = Structure::new(&[3.90625e6])
+            .and_then(|fault| fault.with_ground_spring(0, k))
+            .and_then(|fault| fault.with_ground_damper(0, 4.6e6))
+            .and_then(|fault| fault.with_force(0, 4.6e6 * plate))
+            .and_then(|fault| fault.with_contact(Contact::new(0, law, 5e7)?.on_belt(plate)))
+            .unwrap();
+        for part in [1.0, 1.1] {
+            let start = State::new(&[5e7 * law.steady(plate) / k], &[0.0]);
+            let start = start.with_memory(&[law.memory_at(part * plate)]);
+            let start = start.with_sliding(0, -part * plate);
+            let motion = fault.simulate(start, 5.5e8).unwrap();
+            assert!(
+                motion.steps().len() < 60,
+                "{k} {b}: {}",
+                motion.steps().len()
+            );
+        }
+    }
+}
+
 /// A memory that heals at 7e11 times its unit per second, so that its last coefficients overflow:
 /// beside Runge-Kutta's method in θ.
 #[test]

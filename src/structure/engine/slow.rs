@@ -267,7 +267,7 @@ impl Slow<'_, '_> {
 
     /// Passes until the series do not change any more.
     fn passes(&mut self, shorter: f64, before: &mut Vec<PowerSeries>) -> Option<f64> {
-        for _ in 1..MOST_PASSES {
+        for pass in 1..MOST_PASSES {
             before.clear();
             before.extend(self.unknowns().map(|(series, _)| series));
             self.expand()?;
@@ -296,18 +296,28 @@ impl Slow<'_, '_> {
             if !may_have_come || reach < LONGER * shorter {
                 return None;
             }
-            let mut changes = std::iter::zip(self.unknowns(), &*before);
-            let is_settled = changes.all(|((now, error), before)| {
-                let mut power = 1.0;
-                let mut change = 0.0;
-                for k in 0..TERMS - 1 {
-                    change += (now[k] - before[k]).abs() * power;
-                    power *= INNER * reach.min(LONGEST_STEP);
-                }
-                change <= CLOSE * error
-            });
-            if is_settled {
+            let settles_within = |reach: f64| {
+                let mut changes = std::iter::zip(self.unknowns(), &*before);
+                changes.all(|((now, error), before)| {
+                    let mut power = 1.0;
+                    let mut change = 0.0;
+                    for k in 0..TERMS - 1 {
+                        change += (now[k] - before[k]).abs() * power;
+                        power *= INNER * reach.min(LONGEST_STEP);
+                    }
+                    change <= CLOSE * error
+                })
+            };
+            if settles_within(reach) {
                 return self.is_on_pieces().then_some(reach);
+            }
+            // Rounding errors of the coefficients change in every pass. They limit the reach.
+            if pass + 1 == MOST_PASSES {
+                let shorter = LONGER * shorter;
+                let reaches = (1..=10).map(|k| reach * 0.5_f64.powi(k));
+                let mut reaches = reaches.take_while(|&reach| reach >= shorter);
+                let found = reaches.find(|&reach| settles_within(reach))?;
+                return self.is_on_pieces().then_some(found);
             }
         }
         None
