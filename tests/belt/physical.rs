@@ -638,7 +638,8 @@ fn the_structure_of_a_brake_is_in_si_units() {
     assert_relative_eq!(loss, cycle.energy().friction_loss, max_relative = 1e-12);
 }
 
-/// A load of 10¹² or 10¹⁶ newtons: the cycle is one of relaxation, whose period grows like the load.
+/// A load of 10¹² or 10¹⁶ newtons: the cycle is one of relaxation, whose period grows like the
+/// load.
 #[test]
 fn the_largest_loads_have_their_cycle() {
     let period_per_newton = [1e12, 1e16].map(|normal_force| {
