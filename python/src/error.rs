@@ -42,13 +42,14 @@ impl<T> OrRaise<T> for Result<T, Error> {
 }
 
 /// What the crate's messages name, and what it is called in Python.
-const NAMES: [(&str, &str); 16] = [
+const NAMES: [(&str, &str); 17] = [
     ("; for a simulation without an end use `flow`", ""),
     (", shorten the run, or use `flow`", ", or shorten the run"),
     ("`with_max_steps`", "`max_steps=`"),
     ("`with_max_events`", "`max_events=`"),
     ("with `simulate_until`", "by `until=`"),
     ("`steady_sliding_from`", "`near=`"),
+    ("`with_least_speed`", "`least_speed=`"),
     ("`with_tangential_stiffness`", "`tangential_stiffness=`"),
     ("`Contact::with_normal_spring`", "`normal_spring=`"),
     ("`Contact::with_load_law`", "`load_laws=`"),

@@ -243,14 +243,13 @@ impl Energies<'_, '_> {
             budget.drive_work[c] -= weight * at.carried * at.surface;
             budget.belt_work[c] -= weight * at.carried * at.velocity;
             let contact = &self.model.contacts[c];
-            let relative = at.velocity - at.surface;
             if let Mode::Slip(_) = step.modes()[c] {
                 // The slider moves by r less what its spring takes up.
                 let spring = contact.tangential_stiffness.map_or(0.0, |stiffness| {
                     let series = &step.series()[self.model.len() + self.model.memory(c).start];
                     series.slope_at(t) / stiffness
                 });
-                budget.friction_loss[c] += weight * at.carried * (relative - spring);
+                budget.friction_loss[c] += weight * at.carried * (at.relative - spring);
             }
             if let Some(stiffness) = self.normal[c].filter(|_| at.load > 0.0) {
                 let pressed = contact.normal.iter().map(|&(j, d)| d * v[j]).sum::<f64>();

@@ -170,6 +170,11 @@ fn seismic_cycles_close_and_have_the_multipliers_of_differences() {
             (largest / least).log10() > decades,
             "{id}: {least:e} {largest:e}"
         );
+        // The plate works against friction alone, but for the waves that a damper radiates.
+        let energy = orbit.energy();
+        let size = energy.friction_loss[0];
+        assert!(energy.defect().abs() < 1e-12 * size, "{id}: {energy:?}");
+        assert!(energy.stored.abs() < 1e-11 * size, "{id}: {energy:?}");
         let [[a, b], [c, d]] = differences(&system, &orbit);
         let [first, stiff] = orbit.multipliers() else {
             panic!("{id}: {:?}", orbit.multipliers());

@@ -4,8 +4,8 @@
 use serde_json::Value;
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Drive, Error, Integrator, Motion,
-    RateState, RateState2, Slip, Structure, Trajectory,
+    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Drive, Error, FrictionLaw, Integrator,
+    MassOnBelt, Motion, RateState, RateState2, Scalar, Slip, Structure, Trajectory,
 };
 
 use crate::common::{Random, Worst, apart, exactly, kind, list, number, refused, text};
@@ -349,6 +349,99 @@ fn equal_parts_add_up() {
             assert!((last.displacements[0] - whole.displacements[0]).abs() < 1e-13);
             assert!((last.memory[1] - whole.memory[0]).abs() < 1e-12);
         }
+    }
+}
+
+/// Forces, lengths and times in other units: the same motion, to rounding.
+#[test]
+fn units_are_arbitrary() {
+    for made in LAWS {
+        let last = |[force, length, time]: [f64; 3]| {
+            let speed = length / time;
+            let law = made(0.4, 0.1, 0.25, 0.08 * length, 0.08 * speed).unwrap();
+            let per_length = force / length;
+            let numbers = [
+                per_length * time * time,
+                0.05 * per_length * time,
+                1.4 * per_length,
+            ];
+            let start = State::new(&[0.3 * length], &[0.02 * speed]).with_memory(&[0.1]);
+            let system = slider(law, numbers, force, 0.08 * speed);
+            let state = system.simulate(start, 9.0 * time).unwrap().last();
+            [
+                state.displacements[0] / length,
+                state.velocities[0] / speed,
+                state.memory[0],
+            ]
+        };
+        let expected = last([1.0; 3]);
+        for units in [
+            [3e7, 1.0, 1.0],
+            [1.0, 7e-6, 1.0],
+            [1.0, 1.0, 3e8],
+            [5e3, 2e-5, 9e-4],
+        ] {
+            for (found, expected) in std::iter::zip(last(units), expected) {
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "{units:?}: {found} {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// a arsinh(e^{f₀/a} s/(2V₀)), which passes 0 with a slope of 5e15.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Arsinh;
+
+impl FrictionLaw for Arsinh {
+    fn static_coefficient(&self) -> f64 {
+        0.0
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed * (40.0_f64.exp() / 0.16)).asinh() * 0.01
+    }
+}
+
+/// With b = 0 the memory has no effect: the law is one of the speed, by the engine of a mass on a
+/// belt, too.
+#[test]
+fn without_its_memory_it_is_a_law_of_the_speed() {
+    let law = RateState::aging(0.4, 0.01, 0.0, 0.08, 0.08).unwrap();
+    let system = slider(law, [1.0, 0.1, 1.0], 1.0, 0.5);
+    let start = State::new(&[0.7], &[0.02]).with_memory(&[0.1]);
+    let found = system.simulate(start, 9.0).unwrap();
+    let belt = MassOnBelt::new(Arsinh, 0.5).and_then(|belt| belt.with_damping(0.05));
+    let start = stick_slip::State::new(0.7, 0.02);
+    let expected = belt.unwrap().simulate(start, 9.0).unwrap();
+    for k in 0..=90 {
+        let time = 0.1 * f64::from(k);
+        let (found, expected) = (found.state_at(time), expected.state_at(time));
+        let (found, expected) = (found.unwrap(), expected.unwrap());
+        let off = (found.displacements[0] - expected.displacement)
+            .abs()
+            .max((found.velocities[0] - expected.velocity).abs());
+        assert!(off < 1e-13, "{time}: {off:e}");
+    }
+}
+
+/// As a = b falls to 0, friction tends to Coulomb's, in proportion to a: in slip in one direction.
+#[test]
+fn without_rate_and_state_it_is_coulombs() {
+    let last = |system: Structure, start: State| system.simulate(start, 9.0).unwrap().last();
+    let start = State::new(&[0.7], &[0.02]);
+    let coulomb = slider(Coulomb::new(0.4, 0.4).unwrap(), [1.0, 0.1, 1.0], 1.0, 0.8);
+    let expected = last(coulomb, start.clone());
+    for made in LAWS {
+        let off = [1e-3, 1e-5, 1e-7].map(|a| {
+            let law = made(0.4, a, a, 0.08, 0.08).unwrap();
+            let system = slider(law, [1.0, 0.1, 1.0], 1.0, 0.8);
+            let found = last(system, start.clone().with_memory(&[0.1]));
+            (found.displacements[0] - expected.displacements[0]).abs() / a
+        });
+        assert!(off[0] > 1e-2 && off[0] < 10.0, "{off:?}");
+        assert!((off[1] / off[2] - 1.0).abs() < 1e-3, "{off:?}");
     }
 }
 

@@ -53,6 +53,8 @@ pub(crate) struct AtContact {
     /// b·v and w.
     pub(crate) velocity: f64,
     pub(crate) surface: f64,
+    /// r, with all its digits where the contact creeps.
+    pub(crate) relative: f64,
     /// w'.
     surface_rate: f64,
     /// The parts of the load that have laws.
@@ -139,9 +141,12 @@ impl<'a, 's> Forces<'a, 's> {
             .map(|(c, contact)| {
                 let memory = &state.memory[model.memory(c)];
                 let [surface, surface_rate] = drive(&contact.belt_velocity);
+                let velocity = contact.along(|j| v[j]);
+                let own = state.sliding().iter().find(|(number, _)| *number == c);
                 let mut at = AtContact {
-                    velocity: contact.along(|j| v[j]),
+                    velocity,
                     surface,
+                    relative: own.map_or(velocity - surface, |(_, relative)| *relative),
                     surface_rate,
                     ..AtContact::default()
                 };
@@ -231,9 +236,7 @@ fn known(contact: &ContactData<'_>, at: &AtContact, mode: Mode, memory: &[f64]) 
     match mode {
         _ if contact.tangential_stiffness.is_some() => memory[0],
         Mode::Open | Mode::Stick => 0.0,
-        Mode::Slip(side) => {
-            at.load * friction(contact, side, at.velocity - at.surface, &|j| memory[j])
-        }
+        Mode::Slip(side) => at.load * friction(contact, side, at.relative, &|j| memory[j]),
     }
 }
 
