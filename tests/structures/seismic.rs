@@ -4,7 +4,8 @@
 use serde_json::{Value, json};
 use stick_slip::analysis::rate_state::first_integral;
 use stick_slip::structure::{State, Step};
-use stick_slip::{Contact, Drive, Error, Integrator, RateState, Segment, Structure, Trajectory};
+use stick_slip::{Contact, Direction, Drive, Error, EventKind, Integrator, RateState, Segment};
+use stick_slip::{Structure, Trajectory};
 
 use crate::common::radau::{Matrix, STAGES, corrections, end, weights};
 use crate::common::{Random, Worst, count, larger, list, number, text};
@@ -530,6 +531,140 @@ fn a_block_creeps_on_where_its_plate_stops_at_once() {
     }
 }
 
+/// A plate that stops in a time of one rounding of the clock, of hundreds or of more: the block
+/// creeps on as where its plate stops at once.
+#[test]
+fn a_plate_may_stop_in_any_time() {
+    let law = RateState::aging(0.62, 0.010, 0.014, 15e-6, 1e-6).unwrap();
+    let plate = 1e-6;
+    let seen = |ramp: f64| {
+        let stops = [
+            (0.0, plate),
+            (10.0, plate),
+            (10.0 + ramp, 0.0),
+            (110.0, 0.0),
+        ];
+        let system = block(law, 20.0, Drive::profile(&stops).unwrap());
+        let start = State::new(&[1e4 * law.steady(plate) / 1e7], &[0.0]).with_memory(&[0.0]);
+        let motion = system.simulate(start.with_sliding(0, -plate), 110.0);
+        let motion = motion.unwrap_or_else(|error| panic!("{ramp}: {error}"));
+        assert!(motion.steps().len() < 150, "{}", motion.steps().len());
+        motion.sliding_velocity(0, 110.0)
+    };
+    let at_once = seen(0.0);
+    let decades = (0..9).map(|decade| 2e-15 * 10_f64.powi(decade));
+    for ramp in decades.chain([1e-12, 1e-11]) {
+        // The memory changes by V t/D_c meanwhile.
+        let allowed = 1e-12 + plate * ramp / 15e-6;
+        let off = (seen(ramp) / at_once).ln().abs();
+        assert!(off < allowed, "{ramp}: {off:e}");
+    }
+}
+
+/// A block thrown against its spring turns back: its speed falls by up to eighty decades within
+/// the rounding of any time. Beside Runge-Kutta's method over u = kq/(Na) − mr'/(Na), with r =
+/// 2V₀ e^{−L} sinh u, and then on the slow manifold, u = −kq/(Na).
+#[test]
+fn slip_turns_back_however_large_the_memory() {
+    let (v0, d_c, plate, a, b, load, stiffness) = (1e-6, 15e-6, 1e-6, 0.01, 0.014, 1e4, 1e7);
+    let mut random = Random::new(55);
+    for number in 0..count(6, 100) {
+        let is_aging = number % 2 == 0;
+        let law = match is_aging {
+            true => RateState::aging(0.62, a, b, d_c, v0).unwrap(),
+            false => RateState::slip(0.62, a, b, d_c, v0)
+                .and_then(|law| law.with_least_speed(1e-300))
+                .unwrap(),
+        };
+        let mass = 10_f64.powf(random.uniform(-4.0, 2.0));
+        let phi = random.uniform(0.0, 100.0);
+        let part = random.uniform(0.2, 0.9);
+        let speed = 10_f64.powf(random.uniform(-25.0, -1.0));
+        let what = format!("{is_aging} {mass} {phi} {part} {speed}");
+        let place = part * 0.62e-3;
+        let start = State::new(&[place], &[0.0]).with_memory(&[phi]);
+        let system = block(law, mass, plate.into());
+        let motion = system.simulate(start.with_sliding(0, speed), 1.0);
+        let motion = motion.unwrap_or_else(|error| panic!("{what}: {error}"));
+        let kinds: Vec<EventKind> = motion.events().iter().map(|event| event.kind).collect();
+        assert_eq!(kinds, [EventKind::Crossing(Direction::Lagging)], "{what}");
+        let found = motion.last();
+
+        let exponent = |phi: f64| (0.62 + b * phi) / a;
+        let heals = |phi: f64, speed: f64| match is_aging {
+            true => (v0 * (-phi).exp() - speed.abs()) / d_c,
+            false => -speed.abs() / d_c * ((speed.abs() / v0).max(1e-300).ln() + phi),
+        };
+        let balance = |q: f64| -stiffness * q / (load * a);
+        // d(q, φ, t)/du.
+        let turning = |u: f64, [q, phi, _]: [f64; 3]| {
+            let l = exponent(phi);
+            let [ahead, behind] = [(u - l).exp(), (-u - l).exp()];
+            let r = v0 * (ahead - behind);
+            let rate = load * a * (balance(q) - u) / mass + b / a * heals(phi, r) * r;
+            let time = v0 * (ahead + behind) / rate;
+            [(plate + r) * time, heals(phi, r) * time, time]
+        };
+        let mut y = [place, phi, 0.0];
+        let mut u = exponent(phi) + (speed / v0).ln();
+        while u > balance(y[0]) + 1e-3 {
+            let h = -(0.02_f64).min(0.25 * (u - balance(y[0])));
+            y = step(&turning, u, y, h);
+            u += h;
+        }
+        let creeping = |_, [q, phi, _]: [f64; 3]| {
+            let r = -v0 * (-balance(q) - exponent(phi)).exp();
+            [plate + r, heals(phi, r), 1.0]
+        };
+        while y[2] < 1.0 {
+            let h = (0.02 * (d_c / v0 * y[1].exp() + y[2])).min(1.0 - y[2]);
+            y = step(&creeping, 0.0, y, h);
+        }
+        let r = v0 * (-balance(y[0]) - exponent(y[1])).exp();
+        let off = (found.displacements[0] - y[0]).abs();
+        assert!(off < 1e-14, "{what}: {off:e}");
+        let off = (found.memory[0] - y[1]).abs();
+        assert!(off < 1e-9, "{what}: {off:e}");
+        let off = (-found.sliding()[0].1 / r).ln().abs();
+        assert!(off < 2e-9, "{what}: {off:e}");
+    }
+}
+
+/// A step of Runge-Kutta's method.
+fn step(rates: &impl Fn(f64, [f64; 3]) -> [f64; 3], x: f64, y: [f64; 3], h: f64) -> [f64; 3] {
+    let moved = |k: [f64; 3], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+    let k1 = rates(x, y);
+    let k2 = rates(x + 0.5 * h, moved(k1, 0.5 * h));
+    let k3 = rates(x + 0.5 * h, moved(k2, 0.5 * h));
+    let k4 = rates(x + h, moved(k3, h));
+    std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+}
+
+/// A block that was thrown comes to rest and creeps back with its plate: its spring relaxes, and
+/// the force and the speed pass 0, where both are rounding, in one event.
+#[test]
+fn creep_reverses_where_its_spring_is_relaxed() {
+    let mut random = Random::new(56);
+    for _ in 0..count(10, 400) {
+        let law = RateState::aging(0.62, 0.01, 0.014, 15e-6, 1e-6).unwrap();
+        let plate = 10_f64.powf(random.uniform(-9.0, -3.0));
+        let mass = 10_f64.powf(random.uniform(-3.0, 2.0));
+        let phi = random.uniform(-10.0, 60.0);
+        let place = random.uniform(0.1, 0.8) * 0.62e-3;
+        let start = State::new(&[-place], &[plate]).with_memory(&[phi]);
+        let system = block(law, mass, plate.into());
+        let motion = system.simulate(start, 1.5 * place / plate);
+        let motion = motion.unwrap_or_else(|error| panic!("{mass} {phi} {plate}: {error}"));
+        let events = motion.events();
+        let kinds: Vec<EventKind> = events.iter().map(|event| event.kind).collect();
+        let slips = motion.state_at(0.0).unwrap().sliding()[0].1;
+        assert_eq!(kinds, [EventKind::Crossing(Direction::Lagging)], "{slips}");
+        // The block slides V t ahead of the plate meanwhile.
+        let off = (events[0].state.displacements[0] / place).abs();
+        assert!(off < 1e-13, "{mass} {phi} {plate}: {off:e}");
+    }
+}
+
 /// At rest with a memory so large that the speed settles within the rounding of any time: the
 /// motion is that from the speed r = −2V₀ e^{−L} sinh(kq/(Na)) at which forces balance.
 #[test]
@@ -600,7 +735,7 @@ fn memories_whose_series_overflow_are_followed() {
         let start = State::new(&[0.62e-3], &[0.0]).with_memory(&[-30.0]);
         let start = start.with_sliding(0, speed);
         let found = system.simulate(start, end).unwrap().last();
-        let rates = |[q, r, theta]: [f64; 3]| {
+        let rates = |_, [q, r, theta]: [f64; 3]| {
             let x = r / (2.0 * v0) * ((0.62 + 0.014 * (v0 * theta / d_c).ln()) / 0.01).exp();
             let force = -1e7 * q - 1e4 * 0.01 * x.asinh();
             [plate + r, force / 20.0, 1.0 - r.abs() * theta / d_c]
@@ -609,12 +744,7 @@ fn memories_whose_series_overflow_are_followed() {
         let mut time = 0.0;
         while time < end {
             let h = (0.02 * (y[2] + time)).min(1e-8).min(end - time);
-            let moved = |k: [f64; 3], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
-            let k1 = rates(y);
-            let k2 = rates(moved(k1, 0.5 * h));
-            let k3 = rates(moved(k2, 0.5 * h));
-            let k4 = rates(moved(k3, h));
-            y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+            y = step(&rates, time, y, h);
             time = if h < end - time { time + h } else { end };
         }
         let phi = (v0 * y[2] / d_c).ln();

@@ -79,7 +79,7 @@ pub(super) fn first_firings(
     for passage in &mut firings.passages {
         *passage = passage.filter(|passage| passage.time <= end + slack(end));
     }
-    if to_break <= end + slack(end) {
+    if end < h && to_break <= end + slack(end) {
         end = end.max(to_break);
     }
     Ok(end)

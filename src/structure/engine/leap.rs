@@ -11,7 +11,7 @@
 //!
 //! has a decreasing F, it passes the solution of s = s_0 + h F(s), the implicit Euler method,
 //! before the time h. It has settled if it comes close to the balance in h/2 and e^{−Dh/2} is
-//! rounding. A speed that passes 0 within h is not treated.
+//! rounding. Where F(0) is negative, slip turns back: at the time −s_0/F(0) at the latest.
 
 use super::model::Model;
 use super::plan::Plan;
@@ -24,6 +24,9 @@ const SETTLED: f64 = 40.0;
 
 /// Halvings of a range of logarithms of speeds to its rounding.
 const HALVINGS: usize = 80;
+
+/// The increment of a difference, relative to a speed: half the digits are enough.
+const PART: f64 = 1.0 / (1 << 26) as f64;
 
 /// The speed of contact c after the resolution of time, if nothing else in the motion changes by
 /// more than rounding.
@@ -66,28 +69,32 @@ pub(super) fn speed_after(
         }
         Some(high)
     };
-    /// The increment relative to a speed: a difference has half the digits, which is enough.
-    const PART: f64 = 1.0 / (1 << 26) as f64;
-    let balance = solution(0.0)?;
-    // D s, with the force a load carries by its direct effect.
-    let direct = (rate(balance * (1.0 - PART)) - rate(balance * (1.0 + PART))) / (2.0 * PART);
     let resolution = f64::EPSILON * situation.clock.time.abs().max(plan.unit);
-    let half = 0.5 * resolution;
-    let there = solution(half.recip())?;
-    let is_settled = direct * half > SETTLED * balance && (there / balance).ln().abs() < 1.0;
-    let end = if is_settled { balance } else { there };
-    let is_still = {
-        let moved = speed.max(balance) * resolution;
-        moved <= f64::EPSILON * direct * plan.unit * plan.unit
+    let (end, fastest, force) = if rate(0.0) < 0.0 {
+        let turns = speed <= -rate(0.0) * resolution;
+        turns.then_some((0.0, speed, -rate(0.0)))?
+    } else {
+        let balance = solution(0.0)?;
+        let half = 0.5 * resolution;
+        let there = solution(half.recip())?;
+        // D s, with the force a load carries by its direct effect.
+        let direct = rate(balance * (1.0 - PART)) - rate(balance * (1.0 + PART));
+        let direct = direct / (2.0 * PART);
+        let settles = direct * half > SETTLED * balance;
+        let is_close = (there / balance).ln().abs() < 1.0;
+        let end = if settles && is_close { balance } else { there };
+        (end, speed.max(balance), direct)
     };
+    // The way is less than rounding in terms of this force.
+    let is_still = fastest * resolution <= f64::EPSILON * force * plan.unit * plan.unit;
+    let load = of.load[0] / contact.compliance;
     let mut remembers = true;
-    for s in [speed, balance] {
-        let load = of.load[0] / contact.compliance;
+    for s in [speed, end] {
         let take = &mut |j: usize, rate: f64| {
-            let unit = contact.law.unit_in_creep(at(balance), &memory, j);
+            let unit = contact.law.unit_in_creep(at(fastest), &memory, j);
             remembers &= rate.abs() * resolution <= f64::EPSILON * unit.max(1.0);
         };
         contact.law.rates(Motion::Slip(at(s)), load, &memory, take);
     }
-    (is_still && remembers && end != speed && direct > 0.0).then_some(end)
+    (is_still && remembers && end != speed).then_some(end)
 }

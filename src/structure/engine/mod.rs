@@ -95,7 +95,7 @@ use modes::{At, Modes};
 use modes_after::{begin, decide, slide};
 use plan::{Control, LONGEST_STEP, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter};
 use series::Series;
-use state::{Disturbance, Phase, Situation};
+use state::{Disturbance, Entry, Firing, Phase, Situation};
 use step_end::{AcceptedStep, land};
 
 use super::carried::Carried;
@@ -192,15 +192,8 @@ impl<'s> Engine<'s> {
         let (start, modes) = (self.situation.clock, Arc::clone(&self.modes));
         self.situation.add_to(&mut ends, &self.model, &self.series);
         modes.put_at_end(start.time, At::After, n, &mut ends);
-        let settled = match self.settle() {
-            Err(_) if self.leap() => {
-                ends.clear();
-                self.situation.add_to(&mut ends, &self.model, &self.series);
-                modes.put_at_end(start.time, At::After, n, &mut ends);
-                self.settle()?
-            }
-            settled => settled?,
-        };
+        let settled = self.settle();
+        let settled = settled.or_else(|error| self.leap().ok_or(error))?;
         let series = self.emitted();
         if settled.duration.is_infinite() {
             let span = (settled.duration, start.after(settled.duration));
@@ -273,7 +266,7 @@ impl<'s> Engine<'s> {
         let (tolerance, plan) = (control.tolerance, &mut control.plan);
         let explicit = plan_explicit(model, situation, series, tolerance, plan);
         let is_stiff = plan.is_stiff();
-        if !(is_finite || plan.may_drop) {
+        if !(is_finite || plan.may_drop(model)) {
             return Err(self.underflow(0.0));
         }
         let reach = slow::relax(model, situation, series, control, explicit);
@@ -312,28 +305,36 @@ impl<'s> Engine<'s> {
         Ok(settled(duration))
     }
 
-    /// Gives contacts whose steps would be too short the speeds that they reach within the rounding
-    /// of time; returns true if there are any.
+    /// In a step of length 0, gives contacts whose steps would be too short the speeds that they
+    /// reach within the rounding of time: 0 if they turn back. `None` if there are no such contacts.
     #[cold]
-    fn leap(&mut self) -> bool {
+    fn leap(&mut self) -> Option<AcceptedStep> {
         let Self {
             model,
             situation,
             series,
             control,
+            firings,
             ..
         } = self;
+        *firings = Firings::default();
+        firings.contacts.resize(model.contacts.len(), None);
         let mut leaps = false;
-        for c in 0..model.contacts.len() {
+        for (c, firing) in firings.contacts.iter_mut().enumerate() {
             let Some(end) = leap::speed_after(model, situation, series, &control.plan, c) else {
                 continue;
             };
-            if let Phase::Slip { speed, rate, .. } = &mut situation.contacts[c].phase {
-                (*speed, *rate, leaps) = (end, None, true);
+            let state = &mut situation.contacts[c];
+            if let Phase::Slip { speed, rate, .. } = &mut state.phase {
+                (*speed, *rate, state.entry, leaps) = (end, None, Entry::Held, true);
             }
+            *firing = (end == 0.0).then_some((0.0, Firing::Arrival));
         }
         control.longest = f64::INFINITY;
-        leaps && expand::expand(model, situation, series, coordinate_series::ALL).is_ok()
+        leaps.then_some(AcceptedStep {
+            duration: 0.0,
+            at_break: None,
+        })
     }
 
     /// The step's duration if all velocities are constant and all loads linear in time. No series

@@ -77,8 +77,6 @@ pub(super) struct Plan {
     pub(super) memory_units: Vec<f64>,
     /// Number of the last orders that no series has, because they overflow.
     pub(super) dropped: usize,
-    /// Whether orders that overflow are dropped: if a contact is stiff, or creeps.
-    pub(super) may_drop: bool,
     /// True for each coordinate that its contacts leave no motion of its own, in a slow step;
     /// otherwise empty.
     pub(super) slaved: Vec<bool>,
@@ -107,6 +105,11 @@ impl Plan {
     /// Returns true if a contact is stiff in the sliding speed.
     pub(super) fn is_stiff(&self) -> bool {
         self.stiff.iter().any(|&rate| rate > 0.0)
+    }
+
+    /// True if orders that overflow are dropped: if a contact is stiff, or creeps.
+    pub(super) fn may_drop(&self, model: &Model<'_>) -> bool {
+        self.is_stiff() || !model.creeping.is_empty()
     }
 
     /// How much of a time a force on a coordinate has an effect: 1/D on a slow manifold.
@@ -276,8 +279,7 @@ pub(super) fn plan_explicit(
     const MOST_DROPPED: usize = TERMS - 6;
     plan.dropped = 0;
     let reach = plan_reach(model, situation, series, tolerance, plan);
-    plan.may_drop = plan.is_stiff() || !model.creeping.is_empty();
-    if plan.is_stiff() || plan.may_drop && !is_finite(situation, series) {
+    if plan.is_stiff() || plan.may_drop(model) && !is_finite(situation, series) {
         plan.dropped = series.truncate();
     }
     match plan.dropped {

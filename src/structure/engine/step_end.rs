@@ -10,6 +10,7 @@ use super::series::Series;
 use super::springs::land_springs;
 use super::state::{Disturbance, Entry, Firing, Phase, Situation};
 use crate::clock::Clock;
+use crate::series::PowerSeries;
 
 /// The accepted length of a step.
 #[derive(Debug, Clone, Copy)]
@@ -109,6 +110,17 @@ fn slide_on(model: &Model<'_>, situation: &mut Situation, series: &Series, time:
     }
 }
 
+/// Returns true if a sliding speed that is 0 at the end of a step does not only touch it. The series
+/// decide where r' is continuous, because on a slow manifold its rate by the balance of forces is
+/// rounding.
+fn goes_on(speeds: &PowerSeries, h: f64) -> bool {
+    /// A slope of this part of the sizes of its terms is that of a touch.
+    const CLEAR: f64 = 1e-6;
+    let slope = speeds.derivative();
+    let sizes = PowerSeries::from_fn(|k| slope[k].abs());
+    slope.at(h) < -CLEAR * sizes.at(h)
+}
+
 /// Moves one contact, and the coordinate that it holds, to the end of the step. Returns true if the
 /// contact has an event.
 fn land_contact(
@@ -128,8 +140,13 @@ fn land_contact(
     let edge = if stays { state.edge } else { Edge::Away };
     (state.edge, state.load_edge) = (edge, Edge::Away);
     state.entry = Entry::Held;
+    // No other contact changes r', and neither does its own law at r = 0.
+    let is_alone = state.limits.is_none() && model.owner_of(c).is_some();
     if let Phase::Slip {
-        speed, rate, piece, ..
+        direction,
+        speed,
+        rate,
+        piece,
     } = &mut state.phase
     {
         (*speed, *rate) = (of.speeds.at(h), None);
@@ -137,6 +154,9 @@ fn land_contact(
             firing = Some(Firing::Arrival);
         }
         match firing {
+            Some(Firing::Arrival) if is_alone && !jumps && goes_on(&of.speeds, h) => {
+                (*direction, *speed, *piece) = (direction.opposite(), 0.0, 0);
+            }
             Some(Firing::Arrival) => (*speed, state.entry) = (0.0, Entry::Arrived(None)),
             Some(Firing::Breakpoint(number, rising)) => {
                 *speed = contact.breakpoints[number];
