@@ -38,11 +38,11 @@ of_belts! {
     counted_table: Counted<'_, Tabulated>
 }
 
-/// The law of a contact as the engine of structures takes it.
-macro_rules! of_contacts {
-    ($($name:ident: $law:ty),*) => { $(
-        pub fn $name(law: $law) -> Result<Contact, Error> {
-            contact(law)
+/// The law of a contact or an element as the engine of structures takes it.
+macro_rules! of_structures {
+    ($take:ident -> $part:ty, $($name:ident: $law:ty),*) => { $(
+        pub fn $name(law: $law) -> Result<$part, Error> {
+            $take(law)
         }
     )* };
 }
@@ -51,7 +51,8 @@ fn contact<L: ContactLaw + Send + Sync + 'static>(law: L) -> Result<Contact, Err
     Contact::new(0, law, 1.0)
 }
 
-of_contacts! {
+of_structures! {
+    contact -> Contact,
     any_contact: Any,
     any_law: AnyLaw,
     any_memory: AnyContactLaw<Any>,
@@ -74,20 +75,12 @@ of_contacts! {
     tabulated: Tabulated
 }
 
-/// The law of a force element.
-macro_rules! of_elements {
-    ($($name:ident: $law:ty),*) => { $(
-        pub fn $name(law: $law) -> Result<ForceElement, Error> {
-            element(law)
-        }
-    )* };
-}
-
 fn element<L: ForceLaw + Send + Sync + 'static>(law: L) -> Result<ForceElement, Error> {
     ForceElement::new(0, law)
 }
 
-of_elements! {
+of_structures! {
+    element -> ForceElement,
     backlash: Backlash,
     pendulum: Pendulum,
     polynomial_spring: PolynomialSpring
