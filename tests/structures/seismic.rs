@@ -630,6 +630,43 @@ fn slip_turns_back_however_large_the_memory() {
     }
 }
 
+/// A spring that is stronger than friction: from any speed below 1e-12 m/s the motion is that from
+/// there, to the time in which that speed is reached.
+#[test]
+fn a_strong_spring_starts_slip_from_any_speed() {
+    let mut random = Random::new(57);
+    for _ in 0..count(10, 400) {
+        let law = RateState::aging(0.62, 0.01, 0.014, 15e-6, 1e-6).unwrap();
+        let mass = 10_f64.powf(random.uniform(-3.0, 2.0));
+        let phi = random.uniform(-10.0, 60.0);
+        let place = random.uniform(2.5, 8.0) * 0.62e-3;
+        let system = block(law, mass, 1e-6.into());
+        let period = (mass / 1e7).sqrt();
+        let seen = |speed: f64| {
+            let start = State::new(&[place], &[0.0]).with_memory(&[phi]);
+            let motion = system.simulate(start.with_sliding(0, speed), period);
+            let motion = motion.unwrap_or_else(|error| panic!("{mass} {phi} {speed}: {error}"));
+            motion.last()
+        };
+        let expected = seen(-1e-12);
+        for speed in [0.0, -1e-300, 1e-300, 1e-30, -1e-20, 1e-13] {
+            let found = seen(speed);
+            // The spring has 2.5 · 0.62 and more of the load, friction 1.46 and less.
+            let fastest = place / period;
+            let off = (found.velocities[0] - expected.velocities[0]).abs();
+            assert!(
+                off < 1e-11 + 1e-12 * fastest,
+                "{mass} {phi} {speed}: {off:e}"
+            );
+            let off = (found.displacements[0] - expected.displacements[0]).abs();
+            assert!(
+                off < 1e-11 * period + 1e-12 * place,
+                "{mass} {phi} {speed}: {off:e}"
+            );
+        }
+    }
+}
+
 /// A step of Runge-Kutta's method.
 fn step(rates: &impl Fn(f64, [f64; 3]) -> [f64; 3], x: f64, y: [f64; 3], h: f64) -> [f64; 3] {
     let moved = |k: [f64; 3], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);

@@ -25,6 +25,9 @@ const SETTLED: f64 = 40.0;
 /// Halvings of a range of logarithms of speeds to its rounding.
 const HALVINGS: usize = 80;
 
+/// Relative changes in the meantime that are rounding: that of the time may be twice its half ulp.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// The increment of a difference, relative to a speed: half the digits are enough.
 const PART: f64 = 1.0 / (1 << 26) as f64;
 
@@ -56,7 +59,7 @@ pub(super) fn speed_after(
         let is_below = |s: f64| rate(s) > (s - speed) * inverse;
         let far = speed.max(speed + of.speeds[1] * plan.unit);
         let [mut low, mut high] = [f64::MIN_POSITIVE, far];
-        if !(is_below(low) && rate(high) <= 0.0) {
+        if !is_below(low) || is_below(high) {
             return None;
         }
         for _ in 0..HALVINGS {
@@ -69,32 +72,36 @@ pub(super) fn speed_after(
         }
         Some(high)
     };
-    let resolution = f64::EPSILON * situation.clock.time.abs().max(plan.unit);
-    let (end, fastest, force) = if rate(0.0) < 0.0 {
-        let turns = speed <= -rate(0.0) * resolution;
-        turns.then_some((0.0, speed, -rate(0.0)))?
-    } else {
-        let balance = solution(0.0)?;
-        let half = 0.5 * resolution;
-        let there = solution(half.recip())?;
-        // D s, with the force a load carries by its direct effect.
-        let direct = rate(balance * (1.0 - PART)) - rate(balance * (1.0 + PART));
-        let direct = direct / (2.0 * PART);
-        let settles = direct * half > SETTLED * balance;
-        let is_close = (there / balance).ln().abs() < 1.0;
-        let end = if settles && is_close { balance } else { there };
-        (end, speed.max(balance), direct)
-    };
-    // The way is less than rounding in terms of this force.
-    let is_still = fastest * resolution <= f64::EPSILON * force * plan.unit * plan.unit;
+    // The time within which the memory changes by no more than rounding at a speed.
     let load = of.load[0] / contact.compliance;
-    let mut remembers = true;
-    for s in [speed, end] {
+    let remembers = |s: f64| {
+        let mut time = f64::INFINITY;
         let take = &mut |j: usize, rate: f64| {
-            let unit = contact.law.unit_in_creep(at(fastest), &memory, j);
-            remembers &= rate.abs() * resolution <= f64::EPSILON * unit.max(1.0);
+            let unit = contact.law.unit_in_creep(at(s), &memory, j).max(1.0);
+            time = time.min(ROUNDING * unit / rate.abs());
         };
         contact.law.rates(Motion::Slip(at(s)), load, &memory, take);
-    }
-    (is_still && remembers && end != speed).then_some(end)
+        time
+    };
+    let resolution = f64::EPSILON * situation.clock.time.abs().max(plan.unit);
+    let resolution = resolution.min(remembers(speed));
+    // D s, with the force a load carries by its direct effect.
+    let direct = |s: f64| (rate(s * (1.0 - PART)) - rate(s * (1.0 + PART))) / (2.0 * PART);
+    let (end, time) = if rate(0.0) < 0.0 {
+        let longest = -speed / rate(0.0);
+        (longest <= resolution).then_some((0.0, longest))?
+    } else {
+        let half = 0.5 * resolution;
+        let there = solution(half.recip())?;
+        let settles = |balance: &f64| {
+            direct(*balance) * half > SETTLED * balance && (there / balance).ln().abs() < 1.0
+        };
+        let end = solution(0.0).filter(settles).unwrap_or(there);
+        (end, resolution)
+    };
+    // The way is less than rounding in terms of the forces that change the speed.
+    let fastest = speed.max(end);
+    let force = direct(end).max(rate(end).abs());
+    let is_still = fastest * time <= ROUNDING * force * plan.unit * plan.unit;
+    (is_still && time <= remembers(end) && end != speed).then_some(end)
 }
