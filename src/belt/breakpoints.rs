@@ -48,7 +48,17 @@ impl Breakpoints {
         }
         let sigma = point.direction.sign();
         let state = point.state(system);
-        let equation = || time.sign() * sigma * system.acceleration(state);
+        let equation = || {
+            let (friction, spring) = (system.friction_force(state), state.displacement);
+            let damper = 2.0 * system.damping() * state.velocity;
+            let largest = friction.abs() + spring.abs() + damper.abs();
+            let rate = time.sign() * sigma * (friction - damper - spring);
+            if rate.abs() <= ROUNDING * f64::EPSILON * largest {
+                0.0
+            } else {
+                rate
+            }
+        };
         let rate = point.rate.unwrap_or_else(equation);
         // Where s' = σv' is zero, s'' = −σv decides.
         let rising = rate > 0.0 || (rate == 0.0 && sigma * state.velocity < 0.0);
@@ -68,6 +78,9 @@ impl Breakpoints {
         }
     }
 }
+
+/// Size of a rate that rounding alone may cause, in units of ε times the largest force.
+const ROUNDING: f64 = 16.0;
 
 /// The time at which a step leaves its piece of the law, and the sliding speed there; `None` if it
 /// stays on the piece.

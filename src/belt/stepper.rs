@@ -109,6 +109,8 @@ impl Stepper {
         time: Time,
         elapsed: f64,
     ) -> Result<Advance, Error> {
+        // A rate that is known is one of a motion that is not on the slow manifold.
+        let may_be_slow = point.rate.is_none();
         let at_breakpoint;
         let (piece, point) = match self.breakpoints.piece(system, point, time) {
             (piece, None) => (piece, point),
@@ -125,7 +127,7 @@ impl Stepper {
                 end: *point,
             });
         }
-        let plan = self.plan(system, point, piece, time, elapsed)?;
+        let plan = self.plan(system, point, may_be_slow, piece, time, elapsed)?;
         let settled = self.settle(system, point, piece, time, elapsed, &plan)?;
         self.longest = settled.longest_next;
         Ok(self.land(system, point, time, &settled))
@@ -159,6 +161,7 @@ impl Stepper {
         &mut self,
         system: &Belt<'_>,
         point: &SlipPoint,
+        may_be_slow: bool,
         piece: usize,
         time: Time,
         elapsed: f64,
@@ -167,7 +170,7 @@ impl Stepper {
         let state = point.state(system);
         let overflows = !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite());
         if overflows || series.decay.abs() > STIFF {
-            return self.stiff_plan(system, point, piece, time, elapsed);
+            return self.stiff_plan(system, point, may_be_slow, piece, time, elapsed);
         }
         let error = self.tolerance * self.scale(system, point, state, time);
         let allowance = Allowance::new(error, series.largest_term(system, state));
@@ -187,6 +190,7 @@ impl Stepper {
         &mut self,
         system: &Belt<'_>,
         point: &SlipPoint,
+        may_be_slow: bool,
         piece: usize,
         time: Time,
         elapsed: f64,
@@ -218,19 +222,35 @@ impl Stepper {
         // Time is a sum of two numbers.
         if closing > STIFF || (time == Time::Backward && closing < -STIFF) {
             plan.least *= f64::EPSILON;
+        } else if closing < -STIFF {
+            // A jump after a long creep: each step changes the speed.
+            let speed = &self.expander.series.speed;
+            plan.least = plan.least.min(f64::EPSILON * speed[0] / speed[1].abs());
         }
-        let has_come = order < TERMS - 1 || closing * reach > SETTLING;
-        if closing > STIFF && has_come && point.rate.is_none() {
+        let is_impossible = reach <= plan.least;
+        let has_come = is_impossible || order < TERMS - 1 || closing * reach > SETTLING;
+        if closing > STIFF && has_come && may_be_slow {
             let limits = self.breakpoints.limits(piece);
+            let mut allowance = allowance;
+            if is_impossible {
+                // A long step before has ended on the manifold within some roundings of the forces.
+                let rounding = f64::EPSILON * largest_term / closing;
+                allowance.error = allowance.error.max(4.0 * rounding);
+            }
             let explicit = self.expander.series;
             let slow = explicit.slow(piece, system, &mut self.expander, point, time, &allowance);
+            let slow = slow.filter(|(slow, _)| limits.contain(slow.speed[0]) || point.speed > 0.0);
             self.expander.series = match slow {
-                Some((slow, reach)) if limits.contain(slow.speed[0]) => {
+                Some((mut slow, reach)) => {
+                    if !limits.contain(slow.speed[0]) {
+                        // The same to rounding, and on the piece.
+                        slow.speed[0] = point.speed;
+                    }
                     plan.reach = reach;
                     plan.memory = closing.recip();
                     slow
                 }
-                _ => explicit,
+                None => explicit,
             };
         }
         Ok(plan)

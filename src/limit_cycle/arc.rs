@@ -80,7 +80,7 @@ impl Arc {
     }
 }
 
-/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is searched and no motion is followed
+/// Distance, or force, in units of |v_b| + γ²μ_s, beyond which no cycle is searched and no motion is followed
 /// backwards.
 ///
 /// Friction feeds the mass only while 0 < v < v_b, and the averaged cycles of every law have
@@ -131,6 +131,21 @@ impl<'s> Tracer<'s> {
         self.scale
     }
 
+    /// Returns true if the equilibrium attracts in this direction of time.
+    pub(crate) fn attracts(&self, time: Time) -> bool {
+        self.attracts == Some(time)
+    }
+
+    /// The unit of the velocities that rounding errors of forces cause: a force F moves a motion
+    /// that settles strongly by F/h1.
+    pub(crate) fn velocity_scale(&self) -> f64 {
+        if self.attracts(Time::Forward) {
+            self.scale / self.stiffness
+        } else {
+            self.scale
+        }
+    }
+
     /// The arc from `start`, forward or backward in time, to contact or to the next maximum of the
     /// velocity after it.
     ///
@@ -150,6 +165,7 @@ impl<'s> Tracer<'s> {
         let mut clock = Clock::default();
         let mut steps: Vec<Step> = Vec::with_capacity(16);
         let mut watch = PeakDetector::new(v_b);
+        let mut shift = 0.0;
         loop {
             let Advance { mut duration, end } =
                 self.stepper
@@ -160,6 +176,15 @@ impl<'s> Tracer<'s> {
                 Direction::Lagging => watch.maximum(&speed, duration, steps.last()),
                 Direction::Leading => None,
             };
+            if is_contact && point.direction == Direction::Lagging && !watch.was_behind {
+                shift = self.shift(&end).max(2.0 * shift);
+                point = SlipPoint {
+                    displacement: end.displacement + time.sign() * shift,
+                    rate: Some(shift),
+                    ..end
+                };
+                continue;
+            }
             if let Some(t) = maximum {
                 duration = t;
             }
@@ -174,7 +199,7 @@ impl<'s> Tracer<'s> {
                 Some(Arrival::Equilibrium)
             } else if is_contact {
                 Some(Arrival::Contact(end.displacement))
-            } else if time == Time::Backward && end.speed > FARTHEST * self.scale {
+            } else if time == Time::Backward && self.is_far(&end) {
                 Some(Arrival::Far)
             } else {
                 None
@@ -197,6 +222,14 @@ impl<'s> Tracer<'s> {
         }
     }
 
+    /// Distance by which a motion that has left the belt is moved on if it returns before its
+    /// velocity was negative. No motion does: while v > 0, v cannot turn, because v'' = −v where
+    /// v' = 0. The force that moves the mass away was less than the rounding errors of its terms.
+    fn shift(&self, contact: &SlipPoint) -> f64 {
+        let size = contact.displacement.abs() + self.scale + self.system.carried_force();
+        ROUNDING * f64::EPSILON * size
+    }
+
     /// The maximum of the velocity, a time t after the start of the last step.
     #[inline(never)]
     fn maximum(&self, start: &SlipPoint, time: Time, speed: &PowerSeries, t: f64) -> Arrival {
@@ -207,6 +240,13 @@ impl<'s> Tracer<'s> {
             rate: Some(0.0),
             ..*start
         })
+    }
+
+    /// Returns true if no cycle reaches this sliding speed: where v is least, u = 2β|v| + γ²μ̂.
+    fn is_far(&self, point: &SlipPoint) -> bool {
+        let by_damper = point.speed - self.system.belt_velocity();
+        let least = FARTHEST * self.scale;
+        point.speed > least || 2.0 * self.system.damping() * by_damper > least
     }
 
     /// Returns true if a motion that starts on the belt leaves it: the sliding speed grows because
@@ -230,9 +270,9 @@ impl<'s> Tracer<'s> {
             velocity,
         } = point.state(&self.system);
         let deviation = (displacement - self.equilibrium).abs();
-        if self.attracts == Some(time) {
+        if self.attracts(time) {
             let distance = (deviation / self.stiffness).max(velocity.abs());
-            distance < self.rounding.max(self.settled)
+            distance < (self.rounding / self.stiffness).max(self.settled)
         } else {
             deviation.max(velocity.abs()) < self.rounding
         }
@@ -296,6 +336,8 @@ struct PeakDetector {
     /// lies at v < 0, because v'' = −v there; near the slow manifold of a stiff system rounding can
     /// change the sign of v' elsewhere.
     has_grown: bool,
+    /// True if v was negative.
+    was_behind: bool,
 }
 
 impl PeakDetector {
@@ -303,6 +345,7 @@ impl PeakDetector {
         Self {
             v_b,
             has_grown: false,
+            was_behind: false,
         }
     }
 
@@ -322,11 +365,13 @@ impl PeakDetector {
     /// Returns true if a maximum may lie in (0, h): only if the velocity is positive, after it has
     /// grown or was negative. Values at the quarters of the step suffice, because v keeps its sign
     /// for about half a period, longer than a quarter of any step.
-    fn may_come(&self, speed: &PowerSeries, h: f64) -> bool {
+    fn may_come(&mut self, speed: &PowerSeries, h: f64) -> bool {
         let speeds = speed.at_some(quarters(h));
         let negative = |s: &f64| *s > self.v_b;
         let all_negative = negative(&speed[0]) && speeds.iter().all(negative);
-        (self.has_grown || speeds.iter().any(negative)) && !all_negative
+        let any_negative = speeds.iter().any(negative);
+        self.was_behind |= any_negative;
+        (self.has_grown || any_negative) && !all_negative
     }
 
     /// The first time in (0, h) at which the velocity has a maximum: the sliding speed has a

@@ -9,13 +9,23 @@ use crate::numerics::with_slopes::Sample;
 /// Rounding error of one period, in units of ε times the size of the motion.
 const PERIOD_ROUNDING: f64 = 32.0;
 
-/// The growth next/x − 1 and its slope, for a map x → next(x) with this slope.
+/// The growth next/x − 1 and its slope, for a map x → next(x) of forces, with this slope.
 pub(super) fn relative_growth(tracer: &Tracer<'_>, x: f64, next: f64, slope: f64) -> Sample {
+    growth_beside(tracer, tracer.scale(), [x, next], slope)
+}
+
+/// [`relative_growth`] for a map of velocities.
+pub(super) fn velocity_growth(tracer: &Tracer<'_>, x: f64, next: f64, slope: f64) -> Sample {
+    growth_beside(tracer, tracer.velocity_scale(), [x, next], slope)
+}
+
+/// The growth of a quantity that has the rounding errors of others of this size, too.
+fn growth_beside(tracer: &Tracer<'_>, size: f64, [x, next]: [f64; 2], slope: f64) -> Sample {
     Sample {
         x,
         value: next / x - 1.0,
         slope: (slope - next / x) / x,
-        noise: PERIOD_ROUNDING * f64::EPSILON * (tracer.scale() + x) / x,
+        noise: PERIOD_ROUNDING * f64::EPSILON * (size + x) / x,
         work: tracer.work(),
     }
 }
@@ -38,7 +48,7 @@ pub(super) fn stays_behind(tracer: &Tracer<'_>, arc: &Arc) -> Result<Option<f64>
     let v_b = system.belt_velocity();
     let overshoot = computed_overshoot(tracer, arc);
     // A motion that leaves the belt tangentially is one of velocity amplitude v_b.
-    let growth = relative_growth(tracer, v_b, v_b * (1.0 + overshoot), 1.0);
+    let growth = velocity_growth(tracer, v_b, v_b * (1.0 + overshoot), 1.0);
     if arc.start_rate != 0.0 || !growth.vanishes() {
         return Ok(None);
     }

@@ -4,7 +4,7 @@
 use super::arc::{Arc, Arrival, Tracer};
 use super::averaged;
 use super::continuum::is_flat;
-use super::growth::{self, relative_growth};
+use super::growth::{self, velocity_growth};
 use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
@@ -40,7 +40,8 @@ impl<'t, 's> PeakMap<'t, 's> {
     /// follows V on a motion in slip.
     ///
     /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as
-    /// growing, and one that settles at a node as decaying.
+    /// growing, and one that settles at a node as decaying. Nothing is known of one that rounding
+    /// keeps at an equilibrium that does not attract.
     pub(super) fn growth(&mut self, peak: f64) -> Result<Sample, Error> {
         let v_b = self.system().belt_velocity();
         let arc = self.tracer.arc_from_peak(peak, Time::Forward)?;
@@ -50,9 +51,10 @@ impl<'t, 's> PeakMap<'t, 's> {
                 (next, peak / next * (-self.tracer.contraction(&arc)).exp())
             }
             Arrival::Contact(_) | Arrival::Far | Arrival::Held => (2.0 * v_b, 0.0),
-            Arrival::Equilibrium => (0.0, 0.0),
+            Arrival::Equilibrium if self.tracer.attracts(Time::Forward) => (0.0, 0.0),
+            Arrival::Equilibrium => (peak, 1.0),
         };
-        Ok(relative_growth(self.tracer, peak, next, slope))
+        Ok(velocity_growth(self.tracer, peak, next, slope))
     }
 
     /// Returns true if a motion with the velocity maximum V grows over the next period; `None` if
@@ -71,10 +73,10 @@ impl<'t, 's> PeakMap<'t, 's> {
             Arrival::Maximum(point) => {
                 let peak = v_b - point.speed;
                 let slope = peak / v_b * (-self.tracer.contraction(&grazing)).exp();
-                Ok(Some(relative_growth(self.tracer, peak, v_b, slope)))
+                Ok(Some(velocity_growth(self.tracer, peak, v_b, slope)))
             }
-            Arrival::Contact(_) | Arrival::Far | Arrival::Held => self.growth(v_b).map(Some),
-            Arrival::Equilibrium => Ok(None),
+            Arrival::Equilibrium if self.tracer.attracts(Time::Backward) => Ok(None),
+            _ => self.growth(v_b).map(Some),
         }
     }
 

@@ -661,3 +661,28 @@ fn the_largest_loads_have_their_cycle() {
     // What does not grow with the load is 1e-10 of the smaller period.
     assert!((less / more - 1.0).abs() < 2e-10, "{less} {more}");
 }
+
+/// The damping that silences a mass grows like its load: 0.15 ms/m·2/e times the load, where steady
+/// sliding becomes stable.
+#[test]
+fn the_largest_loads_are_silenced() {
+    let law = Exponential::new(0.4, 0.25, 0.1).unwrap();
+    for normal_force in [1e4, 1e8, 1e10, 1e12] {
+        let physical = Physical {
+            mass: 1.0,
+            stiffness: 1e4,
+            damping: 1.0,
+            normal_force,
+            belt_velocity: 0.1,
+        };
+        let block = PhysicalMassOnBelt::new(physical, law).unwrap();
+        let silent = block.silencing_damping().unwrap();
+        let stable = 2.0 * 0.15 / 0.1 * (-1.0_f64).exp() * normal_force;
+        // Motions beside the border differ by the root of their rounding errors, 1.5e-8.
+        let beside = silent / stable - 1.0;
+        assert!(
+            (-1e-15..1e-7).contains(&beside),
+            "{normal_force} {beside:e}"
+        );
+    }
+}

@@ -192,3 +192,44 @@ fn motions_that_creep_to_a_node_are_concluded() {
         assert_eq!(goes_to.to_string(), "steady sliding", "{system:?}");
     }
 }
+
+/// The damper is at least fifty times as strong as friction falls: steady sliding attracts every
+/// motion. The forces are up to 10⁴³ times as large as the belt's velocity, and so are their
+/// rounding errors, which once brought tangential motions back to the belt, or hid all growth.
+#[test]
+fn no_damper_is_so_strong_that_a_cycle_is_left_open() {
+    let mut random = Random::new(20);
+    for i in 0..count(60, 3000) {
+        let v_b = random.logarithmic(1e-3, 1e3);
+        let width = v_b * random.logarithmic(0.1, 10.0);
+        let law = law(&mut random, i, width).unwrap();
+        // From a breakpoint of a law, a step of 1/β may not change the speed if β is larger.
+        let is_smooth = law.breakpoints().next().is_none();
+        let damping = random.logarithmic(3.0, if is_smooth { 1e40 } else { 1e8 });
+        // No law falls faster than at the rate 5/width.
+        let load = damping * width * random.logarithmic(1e-8, 4e-3);
+        let system = MassOnBelt::new(law, random.sign() * v_b)
+            .and_then(|system| system.with_damping(damping)?.with_load(load))
+            .unwrap();
+        let cycles = find(&system).unwrap_or_else(|error| panic!("{i}: {system} {error:?}"));
+        let none = cycles.is_empty() && cycles.unresolved().is_empty();
+        assert!(none, "{i}: {system} {cycles:?}");
+    }
+}
+
+/// The growth of a small motion is hidden if rounding keeps it at an equilibrium that repels.
+#[test]
+fn a_repelling_equilibrium_is_never_without_a_cycle_or_an_open_range() {
+    let law = Exponential::new(0.4, 0.25, 1.0).unwrap();
+    for load in [1e7, 1e9, 1e11] {
+        let hopf = 0.15 * (-1.0_f64).exp() * load;
+        for beside in [1e-10, 1e-8, 1e-6] {
+            let system = MassOnBelt::new(law, 1.0).unwrap();
+            let system = system.with_load(load).unwrap();
+            let system = system.with_damping(hopf * (1.0 - beside)).unwrap();
+            let cycles = find(&system).unwrap();
+            let none = cycles.is_empty() && cycles.unresolved().is_empty();
+            assert!(!none, "{system} {cycles:?}");
+        }
+    }
+}

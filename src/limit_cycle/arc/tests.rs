@@ -400,8 +400,13 @@ fn the_rate_at_the_end_of_a_step_is_the_slope_of_its_series() {
 #[test]
 fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
     let (h, v_b) = (1.0, 1.0);
-    let may =
-        |c: &[f64], has_grown| PeakDetector { v_b, has_grown }.may_come(&PowerSeries::from(c), h);
+    let may = |c: &[f64], has_grown| {
+        PeakDetector {
+            has_grown,
+            ..PeakDetector::new(v_b)
+        }
+        .may_come(&PowerSeries::from(c), h)
+    };
     // The velocity is positive all along.
     assert!(may(&[0.5, 0.1], true));
     assert!(!may(&[0.5, 0.1], false));
@@ -424,8 +429,8 @@ fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
 fn the_next_maximum_of_the_velocity_is_a_minimum_of_the_sliding_speed_after_growth() {
     let next = |c: &[f64], h, has_grown| {
         let mut watch = PeakDetector {
-            v_b: 1.0,
             has_grown,
+            ..PeakDetector::new(1.0)
         };
         let found = watch.first_inside(&PowerSeries::from(c), h);
         (found, watch.has_grown)
