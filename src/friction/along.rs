@@ -24,6 +24,9 @@ const PIECES: f64 = 64.0;
 /// exactly at the start of the range counts.
 const LOOK_BACK: f64 = 1e-6;
 
+/// Largest growth from one series to the next: a range of 1e300 would be halved 10³ times for each.
+const GROWTH: f64 = 1024.0;
+
 /// Number of series after which a search returns an error, well within a second.
 pub(super) const MOST_STRETCHES: usize = 10_000;
 const TOO_LONG: &str =
@@ -100,7 +103,7 @@ impl AlongSlope<'_> {
         let mut start = range.start;
         // A range of some ulps would be divided into nothing.
         let longest = ((range.end - start) / PIECES).max(start.next_up() - start);
-        let mut stretches = 0;
+        let (mut stretches, mut last) = (0, f64::INFINITY);
         let ends = self.law.breakpoints();
         let mut ends: Vec<f64> = ends.filter(|&end| start < end && end < range.end).collect();
         ends.push(range.end);
@@ -110,7 +113,9 @@ impl AlongSlope<'_> {
                 let is_near = stretches < MOST_STRETCHES;
                 Error::check(far.of, far.name, far.value, is_near, TOO_LONG)?;
                 stretches += 1;
-                let mut stretch = self.stretch(start, longest.min(end - start), &mut largest)?;
+                let most = longest.min(GROWTH * last);
+                let mut stretch = self.stretch(start, most.min(end - start), &mut largest)?;
+                last = stretch.length;
                 let ends_here = start + stretch.length >= end;
                 if !ends_here {
                     stretch.end_away_from_zero();
