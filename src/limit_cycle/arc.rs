@@ -227,7 +227,7 @@ impl<'s> Tracer<'s> {
     /// v' = 0. The force that moves the mass away was less than the rounding errors of its terms.
     fn shift(&self, contact: &SlipPoint) -> f64 {
         let size = contact.displacement.abs() + self.scale + self.system.carried_force();
-        ROUNDING * f64::EPSILON * size
+        (ROUNDING * f64::EPSILON * size).max(f64::MIN_POSITIVE)
     }
 
     /// The maximum of the velocity, a time t after the start of the last step.

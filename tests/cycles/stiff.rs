@@ -1,7 +1,7 @@
 //! No search ends for stiffness: parameters that a user may well have, and strong dampers.
 
 use crate::common::any::{cubic, rational};
-use crate::common::{Random, count, on_belt};
+use crate::common::{Random, count, on_belt, refused};
 use stick_slip::limit_cycle::{attractor, find};
 use stick_slip::{
     AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
@@ -232,4 +232,14 @@ fn a_repelling_equilibrium_is_never_without_a_cycle_or_an_open_range() {
             assert!(!none, "{system} {cycles:?}");
         }
     }
+}
+
+/// On the slowest belt of all the rounding errors of forces are zero: the searches end all the same.
+#[test]
+fn searches_of_the_slowest_belt_end() {
+    let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let system = on_belt(law, f64::from_bits(1), 0.05, 1.0);
+    let found = bifurcation::silencing_load(&system);
+    // Half the load that the belt's velocity gives is no number.
+    refused!(found => Error::At { parameter: "load", value: 0.0, .. });
 }
