@@ -80,8 +80,8 @@ impl Arc {
     }
 }
 
-/// Distance, or force, in units of |v_b| + γ²μ_s, beyond which no cycle is searched and no motion is followed
-/// backwards.
+/// Distance, or force of the damper, in units of |v_b| + γ²μ_s, beyond which no cycle is searched
+/// and no motion is followed backwards.
 ///
 /// Friction feeds the mass only while 0 < v < v_b, and the averaged cycles of every law have
 /// amplitudes below 2|v_b|. If the law rises fast enough, a motion followed backwards grows to

@@ -234,7 +234,7 @@ fn a_repelling_equilibrium_is_never_without_a_cycle_or_an_open_range() {
     }
 }
 
-/// On the slowest belt of all the rounding errors of forces are zero: the searches end all the same.
+/// On the slowest belt the rounding errors of forces are zero, and searches end all the same.
 #[test]
 fn searches_of_the_slowest_belt_end() {
     let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
