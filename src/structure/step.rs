@@ -122,7 +122,8 @@ impl Step {
         self.modes.state(self.coordinates, numbers)
     }
 
-    /// The state at a time, of which also the duration since the start is known.
+    /// The state at a time, of which also the duration since the start is known; beyond the step,
+    /// that of its series continued.
     fn state_since(&self, t: f64, time: f64) -> State {
         let (start, end) = self.ends();
         if t == 0.0 || self.series.is_empty() {
@@ -142,7 +143,9 @@ impl Step {
             memory.iter().map(|z| z.at(t)).collect(),
         ];
         let [displacements, velocities, memory] = &mut parts;
-        self.modes.put(time, displacements, velocities, memory);
+        let is_within = (0.0..=self.duration).contains(&t);
+        self.modes
+            .put((time, is_within), displacements, velocities, memory);
         let sliding = std::iter::zip(sliding, relative.iter().map(|r| r.at(t)));
         State::of_parts(parts).sliding_at(sliding)
     }

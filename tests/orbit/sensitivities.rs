@@ -502,13 +502,91 @@ fn a_parameter_may_be_far_below_its_unit() {
     }
 }
 
+/// A mass whose largest velocity is that of the belt and a little more: it sticks for a time that
+/// grows with the root of its amplitude, and then slips with the velocity of the belt as its
+/// amplitude. On the other side of the parameter it slips all the time.
+#[test]
+fn a_stop_that_only_just_happens_has_no_derivative_of_its_time() {
+    let (friction, velocity) = (0.25, 0.5);
+    let family = |p: &[f64]| {
+        let contact = Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?.on_belt(velocity);
+        let system = one_mass([1.0, 0.0, 1.0], 0.0, contact)?;
+        Ok((system, State::new(&[friction + p[0]], &[0.0])))
+    };
+    for beyond in [1e-15, 1e-13, 1e-11] {
+        let found = sensitivities(family, &[velocity * (1.0 + beyond)], 6.0).unwrap();
+        let events = found.events();
+        let kinds: Vec<String> = events.iter().map(|event| event.kind.to_string()).collect();
+        assert_eq!(kinds, ["stick", "release (lagging)"]);
+        assert!(events[0].by_parameters[0].is_nan(), "{events:?}");
+        // The shortest increments are some 1e-11, and the error grows with their root.
+        let end = found.at(6.0).unwrap();
+        assert!(end.amax() < 1e-4, "{beyond:e}: {end}");
+    }
+}
+
+/// The force of an elastic contact grows until it slips. Its derivative just before is not that of
+/// the limit, which it has from then on; and just after it turns back, not that before.
+#[test]
+fn a_force_at_its_limit_has_the_derivative_of_the_mode_before() {
+    // T = k_t v sin t up to μN, between −μN and μN.
+    let (stiffness, limit) = (2.0, 0.5);
+    let family = |p: &[f64]| {
+        let contact = Contact::new(0, Coulomb::new(p[1], p[1])?, 1.0)?;
+        let contact = contact.with_tangential_stiffness(stiffness)?;
+        let system = one_mass([1.0, 0.0, 1.0 - stiffness * 0.25], 0.0, contact)?;
+        Ok((system, State::new(&[0.0], &[p[0]])))
+    };
+    for duration in [4.0, 0.0] {
+        let parameters = [0.7, limit];
+        let whole = sensitivities(family, &parameters, 4.0).unwrap();
+        let (release, stick) = (whole.events()[0].time, whole.events()[1].time);
+        for (time, is_release) in [(release, true), (stick, false)] {
+            let found = match duration {
+                4.0 => whole.clone(),
+                _ => sensitivities(family, &parameters, time).unwrap(),
+            };
+            let by = found.at(time).unwrap();
+            let force = [by[(2, 0)], by[(2, 1)]];
+            // T = k_t (v/ω) sin ωt with ω² = 0.5 + k_t, and then μN.
+            let omega = 2.5_f64.sqrt();
+            let expected = match is_release {
+                true => [stiffness * (omega * time).sin() / omega, 0.0],
+                false => [0.0, 1.0],
+            };
+            for (found, expected) in std::iter::zip(force, expected) {
+                assert_abs_diff_eq!(found, expected, epsilon = 1e-9);
+            }
+        }
+        // Just behind the turn the force falls from its limit.
+        let beyond = whole.at(stick + 1e-9).unwrap();
+        let mass = whole.state_at(stick).unwrap();
+        assert!(mass.velocities[0].abs() < 1e-15 && mass.memory == [limit]);
+        assert_abs_diff_eq!(beyond[(2, 1)], 1.0, epsilon = 1e-7);
+    }
+}
+
+/// A parameter that is 0 and vanishes in the numbers that it is added to as soon as it leaves the
+/// events as they are.
+#[test]
+fn an_increment_that_vanishes_shows_no_derivative() {
+    let family = |p: &[f64]| {
+        let load = if 0.4 + p[0] == 0.4 { 0.5 } else { 0.1 };
+        Ok((sliding_block(load)?.0, State::new(&[0.0], &[1.0])))
+    };
+    let found = sensitivities(family, &[0.0], 3.0).map(|found| found.at(3.0));
+    let reason = NotDifferentiable::Events { time: 2.0 };
+    let parameter = 0;
+    assert_eq!(found, Err(Error::NoDerivative { parameter, reason }));
+}
+
 /// Families that are not smooth at the parameter, on whichever side its value belongs.
 #[test]
 fn jumps_and_kinks_of_a_family_are_told() {
     type Speed = fn(f64) -> f64;
     let jumps: [Speed; 3] = [
         |p| if p > 1.0 { 1.5 } else { 1.0 },
-        |p| p + if p >= 1.0 { 0.5 } else { 0.0 },
+        |p| p + if p >= 1.0 { 0.5 } else { 0.1 },
         |p| 1.0 + 0.5 * if p == 1.0 { 0.0 } else { (p - 1.0).signum() },
     ];
     let kinks: [Speed; 4] = [

@@ -4,6 +4,7 @@
 //! motion on each side is smooth, and the derivative exists if both sides have the same.
 
 use std::cell::RefCell;
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -183,6 +184,7 @@ impl Variation {
         // The increment that changes the motion as much as it may.
         let mut step = first;
         let mut is_bounded = most >= LARGEST;
+        let mut is_refused = false;
         loop {
             let sides = [step, -step].into_iter();
             let change = sides
@@ -194,6 +196,11 @@ impl Variation {
             beside.found.borrow_mut().clear();
             match change {
                 Some(change) if change < UNSEEN && 100.0 * step < most => step *= 100.0,
+                // The increment vanishes in the numbers that it is added to, and one that does not
+                // changes the events.
+                Some(change) if change < ROUNDING && is_refused => {
+                    return Err(beside.reason.into_inner());
+                }
                 Some(change) if !is_bounded && change * most < SLIGHT * step => {
                     (most, is_bounded, has_no_unit) = (LARGEST, true, true);
                 }
@@ -206,7 +213,7 @@ impl Variation {
                 }
                 None if step < least => return Err(beside.reason.into_inner()),
                 None => {
-                    (most, is_bounded) = (step, true);
+                    (most, is_bounded, is_refused) = (step, true, true);
                     step *= 0.1;
                 }
             }
@@ -239,7 +246,6 @@ impl Variation {
             let Some(before) = last.replace(probe.clone()) else {
                 continue;
             };
-            let size = probe.amax();
             let found = Candidate {
                 error: &probe - before,
                 step: increment,
@@ -254,9 +260,16 @@ impl Variation {
                 }
                 continue;
             }
-            let error = found.error.amax();
+            let found = found.judged(here);
+            let (error, size) = (found.error.amax(), found.probe.amax());
             let least = best.as_ref().map(|best| best.error.amax());
-            if least.is_none_or(|least| error < least) {
+            let timeless = |of: &Candidate| of.found.timeless.len();
+            let order = best
+                .as_ref()
+                .map(|best| timeless(&found).cmp(&timeless(best)));
+            let is_nearer =
+                order == Some(Ordering::Equal) && least.is_some_and(|least| error < least);
+            if is_nearer || order.is_none_or(Ordering::is_lt) {
                 best = Some(found);
             }
             let is_rising = |least: f64| error > 0.5 * least && least <= COARSE * size;
@@ -383,6 +396,24 @@ struct Candidate {
 }
 
 impl Candidate {
+    /// Events whose times do not converge have none: a stop that only just happens begins and ends
+    /// at times that change with the root of the parameter. The error is that of the others.
+    fn judged(mut self, here: &Run) -> Self {
+        let [(times, size), ..] = here.kinds();
+        let largest = self.probe.rows_range(times.clone()).amax();
+        let most = DIVERGED * largest + ROUNDING * size / self.step;
+        let timeless = &mut self.found.timeless;
+        for time in times {
+            if self.error[time].abs() > most && !timeless.contains(&time) {
+                timeless.push(time);
+            }
+        }
+        for &time in timeless.iter() {
+            [self.error[time], self.probe[time]] = [0.0; 2];
+        }
+        self
+    }
+
     /// The differences of the derivatives of displacements, velocities and memory variables between
     /// the increments, or between both sides; 0 for a smooth family.
     fn roughness(&self, here: &Run) -> [f64; 3] {

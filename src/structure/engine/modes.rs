@@ -135,12 +135,12 @@ impl Modes {
         Some(PowerSeries::from_fn(|k| along(k).sum::<f64>() - surface[k]))
     }
 
-    /// Sets the numbers of a state at a time within the step that the modes determine: the
-    /// velocities of stuck coordinates, the forces of sliders that move, and the forces of others
-    /// to their limits at most.
+    /// Sets the numbers of a state at a time that the modes determine: the velocities of stuck
+    /// coordinates, the forces of sliders that move, and within the step the forces of others to
+    /// their limits at most. A step that is continued beyond its event passes the limit.
     pub(crate) fn put(
         &self,
-        time: f64,
+        (time, is_within): (f64, bool),
         displacements: &[f64],
         velocities: &mut [f64],
         memory: &mut [f64],
@@ -153,7 +153,7 @@ impl Modes {
         for pivot in &self.held {
             velocities[pivot.coordinate] = pivot.velocity(surface, |j| velocities[j]);
         }
-        self.limit(time, At::Before, displacements, memory);
+        self.limit((time, is_within), At::Before, displacements, memory);
     }
 
     /// Sets the numbers that depend on the time, at an end of a step. The engine has set all
@@ -162,7 +162,7 @@ impl Modes {
         let (displacements, others) = numbers.split_at_mut(coordinates);
         let (velocities, memory) = others.split_at_mut(coordinates);
         self.carry(time, velocities);
-        self.limit(time, at, displacements, memory);
+        self.limit((time, true), at, displacements, memory);
     }
 
     /// Sets the velocities of coordinates with their own contact in stick.
@@ -172,12 +172,19 @@ impl Modes {
         }
     }
 
-    fn limit(&self, time: f64, at: At, displacements: &[f64], memory: &mut [f64]) {
+    fn limit(
+        &self,
+        (time, is_within): (f64, bool),
+        at: At,
+        displacements: &[f64],
+        memory: &mut [f64],
+    ) {
         for limit in &self.limits {
             if let Some(carried) = memory.get_mut(limit.place) {
                 let most = limit.at(time, at, displacements);
                 *carried = match limit.side {
-                    None => carried.clamp(-most, most),
+                    None if is_within => carried.clamp(-most, most),
+                    None => *carried,
                     Some(side) => side.sign() * most,
                 };
             }
