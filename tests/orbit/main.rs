@@ -30,6 +30,7 @@ mod long_run;
 mod measures;
 mod opening;
 mod random_sensitivities;
+mod random_switching;
 mod ranges;
 mod rate_state;
 mod rate_state_searches;
