@@ -87,8 +87,9 @@ const MANY_STEPS: usize = 5;
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// The error of this extrapolation, in units of the range, is less than this.
-const HOPF_ERROR: f64 = 1e-7;
+/// The error of this extrapolation, in units of the range, is less than this: the parameters of
+/// motions that hardly grow are known to fewer digits than others, in a narrow range to 1e-6 of it.
+const HOPF_ERROR: f64 = 1e-5;
 
 /// The magnification of perturbations above which an arrival may be tangential, and the least ratio
 /// to its value at an earlier point.

@@ -29,6 +29,8 @@ mod loci;
 mod long_run;
 mod measures;
 mod opening;
+mod random_births;
+mod random_exponents;
 mod random_sensitivities;
 mod random_switching;
 mod ranges;
