@@ -465,7 +465,8 @@ fn random_derivatives_agree_with_differences() {
     }
     let [unclear, both, one, neither, order, _] = counts;
     println!(
-        "{both} of both sides, {one} of one, {neither} other events, {order} orders, {unclear} unclear"
+        "{both} of both sides, {one} of one, {neither} other events, {order} orders, \
+         {unclear} unclear"
     );
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(20 * unclear <= counts.iter().sum(), "{unclear} unclear");

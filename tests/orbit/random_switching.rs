@@ -106,8 +106,8 @@ fn apart(orbit: &Orbit<State>, kind: BifurcationKind) -> f64 {
 }
 
 /// The exponent with which the distance from the old branch grows with that from the bifurcation,
-/// between the nearest two of three motions, found one from the other. `None` if shooting from there
-/// ends on the old branch, or if the motions have other events.
+/// between the nearest two of three motions, found one from the other. `None` if shooting from
+/// there ends on the old branch, or if the motions have other events.
 fn exponent(
     family: &dyn Fn(f64) -> Result<Structure, Error>,
     from: &Bifurcation<State>,
