@@ -431,8 +431,10 @@ fn random_derivatives_agree_with_differences() {
             }
             // One side has the events of the motion.
             (Ok(found), Differences::Kink([side, _]), Some(true), Some(false) | None)
-            | (Ok(found), Differences::Kink([_, side]), Some(false) | None, Some(true)) => {
-                if is_of(found, side) { 2 } else { 5 }
+            | (Ok(found), Differences::Kink([_, side]), Some(false) | None, Some(true))
+                if is_of(found, side) =>
+            {
+                2
             }
             // No side has them.
             (

@@ -635,7 +635,7 @@ fn slip_turns_back_however_large_the_memory() {
 #[test]
 fn a_strong_spring_starts_slip_from_any_speed() {
     let mut random = Random::new(57);
-    for _ in 0..count(10, 400) {
+    for _ in 0..count(5, 80) {
         let law = RateState::aging(0.62, 0.01, 0.014, 15e-6, 1e-6).unwrap();
         let mass = 10_f64.powf(random.uniform(-3.0, 2.0));
         let phi = random.uniform(-10.0, 60.0);
