@@ -393,6 +393,7 @@ fn hopf_search_ends_whatever_the_range_and_the_law() {
     assert_abs_diff_eq!(wide, near, epsilon = 1e-14);
     // The end that is too far away is named, as it was given.
     for (range, name, far) in [
+        (0.0..1e100, "range.end", 1e100),
         (0.0..1e300, "range.end", 1e300),
         (-1e100..0.5, "range.start", -1e100),
     ] {
