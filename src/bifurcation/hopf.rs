@@ -135,7 +135,7 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
 /// The function does not check that v_b is a Hopf point. If |v_b| is a breakpoint of the law, the
 /// function uses the third derivative just above this breakpoint. If the damping h1 of steady
 /// sliding (see [`hopf_velocities`]) jumps to the other sign at the breakpoint, this derivative
-/// does not decide the stability.
+/// does not decide the stability. At a velocity of NaN no sign decides: `Degenerate`.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};
