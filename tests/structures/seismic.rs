@@ -4,7 +4,9 @@
 use serde_json::{Value, json};
 use stick_slip::analysis::rate_state::first_integral;
 use stick_slip::structure::{State, Step};
-use stick_slip::{Contact, Direction, Drive, Error, EventKind, Integrator, RateState, Segment};
+use stick_slip::{
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Integrator, RateState, Segment,
+};
 use stick_slip::{Structure, Trajectory};
 
 use crate::common::radau::{Matrix, STAGES, corrections, end, weights};
@@ -664,6 +666,49 @@ fn a_strong_spring_starts_slip_from_any_speed() {
                 "{mass} {phi} {speed}: {off:e}"
             );
         }
+    }
+}
+
+/// Two masses that vibrate together, held by a contact between them whose memory is so large that
+/// its creep is nothing: beside Coulomb's contact in stick. Each reversal of its force is one of
+/// creep, r = 2V₀ e^{−L} sinh(F/(Na)).
+#[test]
+fn a_contact_that_hardly_creeps_moves_as_one_in_stick() {
+    let mut random = Random::new(58);
+    for _ in 0..count(10, 200) {
+        let law = RateState::aging(0.62, 0.01, 0.014, 15e-6, 1e-6).unwrap();
+        let phi = random.uniform(20.0, 140.0);
+        let masses = [(); 2].map(|()| 10_f64.powf(random.uniform(-1.0, 1.0)));
+        let stiffness = [(); 2].map(|()| 10_f64.powf(random.uniform(6.0, 7.0)));
+        let places = [(); 2].map(|()| random.uniform(-0.3e-3, 0.3e-3));
+        let made = |contact: Contact| {
+            Structure::new(&masses)
+                .and_then(|made| made.with_ground_spring(0, stiffness[0]))
+                .and_then(|made| made.with_ground_spring(1, stiffness[1]))
+                .and_then(|made| made.with_contact(contact))
+                .unwrap()
+        };
+        let end = 10.0 * (masses[0] / stiffness[0]).sqrt();
+        let held = made(Contact::between(0, 1, Coulomb::new(2.0, 1.0).unwrap(), 1e4).unwrap());
+        let start = State::new(&places, &[0.0; 2]);
+        let expected = held.simulate(start.clone(), end).unwrap().last();
+        let force = held.carried(end, &expected).unwrap()[0].force;
+        let creeping = made(Contact::between(0, 1, law, 1e4).unwrap());
+        let found = creeping.simulate(start.with_memory(&[phi]), end);
+        let what = format!("{masses:?} {stiffness:?} {places:?} {phi}");
+        let found = found
+            .unwrap_or_else(|error| panic!("{what}: {error}"))
+            .last();
+        for (found, expected) in std::iter::zip(&found.displacements, &expected.displacements) {
+            assert!(
+                (found - expected).abs() < 1e-15,
+                "{what}: {found} {expected}"
+            );
+        }
+        let exponent = (0.62 + 0.014 * found.memory[0]) / 0.01;
+        let creep = 2e-6 * (force / (1e4 * 0.01)).sinh() * (-exponent).exp();
+        let ratio = found.sliding()[0].1 / creep;
+        assert!((ratio - 1.0).abs() < 1e-9, "{what}: {ratio}");
     }
 }
 

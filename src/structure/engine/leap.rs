@@ -48,11 +48,16 @@ pub(super) fn speed_after(
     let Phase::Slip { speed, .. } = state.phase else {
         return None;
     };
-    let i = model.owner_of(c).filter(|_| contact.law.creeps())?;
+    if !contact.law.creeps() || contact.is_elastic() {
+        return None;
+    }
     let (slip, memory) = (state.slip(speed)?, |j: usize| state.memory[j]);
     let at = |speed: f64| Slip { speed, ..slip };
     let friction = |s: f64| of.load[0] * (contact.law.coefficient(at(s), &memory) * slip.direction);
-    let (braking, damping) = (friction(speed), model.damping.row(i).0);
+    // Beside friction that is as steep, the dampers of shared coordinates are rounding.
+    let owner = model.owner_of(c);
+    let damping = owner.map_or(0.0, |i| model.damping.row(i).0);
+    let braking = friction(speed);
     let rate = |s: f64| of.speeds[1] - (friction(s) - braking) - damping * (s - speed);
     // The solution of s = s_0 + h F(s), or of F(s) = 0, by halving the range of ln s.
     let solution = |inverse: f64| {

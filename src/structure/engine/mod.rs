@@ -306,7 +306,7 @@ impl<'s> Engine<'s> {
     }
 
     /// In a step of length 0, gives contacts whose steps would be too short the speeds that they
-    /// reach within the rounding of time: 0 if they turn back. `None` if there are no such contacts.
+    /// reach within the rounding of time, or 0 if they turn back. `None` if there are none.
     #[cold]
     fn leap(&mut self) -> Option<AcceptedStep> {
         let Self {
@@ -616,7 +616,11 @@ fn triggers(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -
                 let rate = -distance.derivative().at(h);
                 Some(Trigger::Bound(vec![(c, side.sign())], rate))
             }
-            _ => (state.has_arrived() && has_moved(c)).then_some(Trigger::Rest(c)),
+            _ => {
+                let passes = matches!(state.phase, Phase::Slip { speed: 0.0, .. });
+                let arrives = passes || state.has_arrived();
+                (arrives && has_moved(c)).then_some(Trigger::Rest(c))
+            }
         }
     };
     let of_mechanism = |mechanism: &Mechanism| {

@@ -57,12 +57,14 @@ pub(super) fn land(
     for (state, series) in std::iter::zip(&mut situation.states, &series.states) {
         *state = series.at(h);
     }
+    let is_alone = firings.contacts.iter().flatten().count() == 1;
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
         series.contacts[c].relaxation = 0.0;
         series.contacts[c].settling = 0.0;
         // In all other cases nothing has changed for this contact since its mode was decided.
         if h > 0.0 || jumps || firing.is_some() {
+            let firing = (firing, is_alone);
             let fired = land_contact(model, situation, series, c, firing, (settled, jumps));
             if fired && disturbance == Disturbance::None {
                 disturbance = Disturbance::Event;
@@ -110,9 +112,8 @@ fn slide_on(model: &Model<'_>, situation: &mut Situation, series: &Series, time:
     }
 }
 
-/// Returns true if a sliding speed that is 0 at the end of a step does not only touch it. The series
-/// decide where r' is continuous, because on a slow manifold its rate by the balance of forces is
-/// rounding.
+/// Returns true if a sliding speed that is 0 at the end of a step does not only touch it. Where r'
+/// is continuous, the series decide: on a slow manifold r' by the balance of forces is rounding.
 fn goes_on(speeds: &PowerSeries, h: f64) -> bool {
     /// A slope of this part of the sizes of its terms is that of a touch.
     const CLEAR: f64 = 1e-6;
@@ -128,7 +129,7 @@ fn land_contact(
     situation: &mut Situation,
     series: &Series,
     c: usize,
-    mut firing: Option<Firing>,
+    (mut firing, is_alone): (Option<Firing>, bool),
     (settled, jumps): (AcceptedStep, bool),
 ) -> bool {
     let (contact, h) = (&model.contacts[c], settled.duration);
@@ -141,7 +142,7 @@ fn land_contact(
     (state.edge, state.load_edge) = (edge, Edge::Away);
     state.entry = Entry::Held;
     // No other contact changes r', and neither does its own law at r = 0.
-    let is_alone = state.limits.is_none() && model.owner_of(c).is_some();
+    let is_alone = state.limits.is_none() && (is_alone || model.owner_of(c).is_some());
     if let Phase::Slip {
         direction,
         speed,
