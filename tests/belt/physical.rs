@@ -638,20 +638,24 @@ fn the_structure_of_a_brake_is_in_si_units() {
     assert_relative_eq!(loss, cycle.energy().friction_loss, max_relative = 1e-12);
 }
 
+/// A light block that is pressed on its belt.
+fn under_load(normal_force: f64) -> PhysicalMassOnBelt<Exponential> {
+    let physical = Physical {
+        mass: 1.0,
+        stiffness: 1e4,
+        damping: 1.0,
+        normal_force,
+        belt_velocity: 0.1,
+    };
+    PhysicalMassOnBelt::new(physical, Exponential::new(0.4, 0.25, 0.1).unwrap()).unwrap()
+}
+
 /// A load of 10¹² or 10¹⁶ newtons: the cycle is one of relaxation, whose period grows like the
 /// load.
 #[test]
 fn the_largest_loads_have_their_cycle() {
     let period_per_newton = [1e12, 1e16].map(|normal_force| {
-        let physical = Physical {
-            mass: 1.0,
-            stiffness: 1e4,
-            damping: 1.0,
-            normal_force,
-            belt_velocity: 0.1,
-        };
-        let law = Exponential::new(0.4, 0.25, 0.1).unwrap();
-        let block = PhysicalMassOnBelt::new(physical, law).unwrap();
+        let block = under_load(normal_force);
         // It is carried along from rest on the belt.
         let end = block.simulate((0.0, 0.1), 1.0).unwrap().last();
         assert!((end.displacement - 0.1).abs() < 1e-15, "{end:?}");
@@ -666,17 +670,8 @@ fn the_largest_loads_have_their_cycle() {
 /// Under 10¹² newtons the mass takes steps of 10⁻⁹ s after it has crept for a year.
 #[test]
 fn the_largest_loads_are_silenced() {
-    let law = Exponential::new(0.4, 0.25, 0.1).unwrap();
     for normal_force in [1e4, 1e8, 1e10, 1e12] {
-        let physical = Physical {
-            mass: 1.0,
-            stiffness: 1e4,
-            damping: 1.0,
-            normal_force,
-            belt_velocity: 0.1,
-        };
-        let block = PhysicalMassOnBelt::new(physical, law).unwrap();
-        let silent = block.silencing_damping().unwrap();
+        let silent = under_load(normal_force).silencing_damping().unwrap();
         let stable = 2.0 * 0.15 / 0.1 * (-1.0_f64).exp() * normal_force;
         // Motions beside the border differ by the root of their rounding errors, 1.5e-8.
         let beside = silent / stable - 1.0;

@@ -27,6 +27,7 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use serde_json::Value;
+use stick_slip::nalgebra::DVector;
 use stick_slip::structure::Carried;
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Element, Error, Event, EventKind, Exponential, LimitCycle,
@@ -184,6 +185,11 @@ pub fn numbers(state: &structure::State) -> Vec<f64> {
     [&state.displacements, &state.velocities, &state.memory]
         .map(Vec::as_slice)
         .concat()
+}
+
+/// All [`numbers`] of a state.
+pub fn vector(state: &structure::State) -> DVector<f64> {
+    DVector::from_vec(numbers(state))
 }
 
 /// The largest difference of two states.

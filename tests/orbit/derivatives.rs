@@ -13,7 +13,7 @@ use stick_slip::{
 use crate::common::forces;
 use crate::common::heat::Heat;
 use crate::common::orbit::monodromy;
-use crate::common::{Random, count, larger, numbers};
+use crate::common::{Random, count, larger, vector};
 use crate::reading::Raised;
 
 type Law = AnyContactLaw<Raised>;
@@ -175,10 +175,6 @@ impl Draw {
         }
         State::new(&displacements, &velocities).with_memory(&memory)
     }
-}
-
-fn vector(state: &State) -> DVector<f64> {
-    DVector::from_vec(numbers(state))
 }
 
 type Sequence = Vec<(usize, EventKind)>;

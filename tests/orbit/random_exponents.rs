@@ -5,7 +5,7 @@ use stick_slip::orbit::lyapunov_with_spread;
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Integrator, Rational, Structure};
 
-use crate::common::{Random, count};
+use crate::common::{Random, count, vector};
 
 /// A mass on a belt, and one or two that elastic contacts join to it.
 fn joined(random: &mut Random) -> Result<Structure, Error> {
@@ -31,11 +31,6 @@ fn joined(random: &mut Random) -> Result<Structure, Error> {
     Ok(system)
 }
 
-fn numbers(state: &State) -> DVector<f64> {
-    let parts = [&state.displacements, &state.velocities, &state.memory];
-    DVector::from_vec(parts.into_iter().flatten().copied().collect())
-}
-
 /// The growth rate of the distance of two motions, once a period of the drive, in several parts of
 /// the duration; `None` if they become one.
 fn growth_of_two(
@@ -51,7 +46,7 @@ fn growth_of_two(
         let of = of.as_slice();
         State::new(&of[..n], &of[n..2 * n]).with_memory(&of[2 * n..])
     };
-    let mut one = numbers(start);
+    let mut one = vector(start);
     // Not a velocity, which stick takes away.
     let mut other = one.clone();
     other[n - 1] += APART;
@@ -63,7 +58,7 @@ fn growth_of_two(
                 .with_start_time(number as f64 * step)
                 .unwrap();
             let run = |from: &DVector<f64>| {
-                numbers(&settings.simulate(system, state(from), step).unwrap().last())
+                vector(&settings.simulate(system, state(from), step).unwrap().last())
             };
             (one, other) = (run(&one), run(&other));
             let apart = &other - &one;

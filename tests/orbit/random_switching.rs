@@ -1,11 +1,10 @@
 //! Branches that are born at the flips and pitchforks of random forced systems.
 
-use stick_slip::nalgebra::DVector;
 use stick_slip::orbit::{Bifurcation, BifurcationKind, BranchPoint, Orbit, Search, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Stribeck, Structure};
 
-use crate::common::{Random, count};
+use crate::common::{Random, count, vector};
 
 /// One or two masses under harmonic forces, rubbed by a slow belt, or by a surface at rest so that
 /// the motion may be symmetric, or by an elastic joint.
@@ -79,17 +78,12 @@ impl Forced {
 /// The distances in the parameter from a bifurcation, each in units of the one before.
 const NEARER: f64 = 0.125;
 
-fn numbers(state: &State) -> DVector<f64> {
-    let parts = [&state.displacements, &state.velocities, &state.memory];
-    DVector::from_vec(parts.into_iter().flatten().copied().collect())
-}
-
 /// How far a motion is from one of the old branch: from itself after half its period at a flip, and
 /// from its mirror image after half its period at a pitchfork.
 fn apart(orbit: &Orbit<State>, kind: BifurcationKind) -> f64 {
     let half = orbit.trajectory().state_at(0.5 * orbit.period()).unwrap();
     let n = half.displacements.len();
-    let [start, half] = [&orbit.state(), &half].map(numbers);
+    let [start, half] = [&orbit.state(), &half].map(vector);
     if kind == BifurcationKind::Flip {
         return (start - half).rows(0, 2 * n).amax();
     }
@@ -115,8 +109,8 @@ fn exponent(
 ) -> Option<f64> {
     let periods = (born.orbit.period() / from.orbit.period()).round() as usize;
     let events = periods * from.orbit.events().len();
-    let origin = numbers(&from.orbit.state());
-    let mut way = numbers(&born.orbit.state()) - &origin;
+    let origin = vector(&from.orbit.state());
+    let mut way = vector(&born.orbit.state()) - &origin;
     let n = born.orbit.state().displacements.len();
     let mut distance = born.parameter - from.parameter;
     let mut size = apart(&born.orbit, from.kind);
@@ -129,7 +123,7 @@ fn exponent(
         let guess = guess.as_slice();
         let state = State::new(&guess[..n], &guess[n..2 * n]).with_memory(&guess[2 * n..]);
         let found = shoot(&family(parameter).ok()?, &state, born.orbit.kind()).ok()?;
-        way = numbers(&found.state()) - &origin;
+        way = vector(&found.state()) - &origin;
         let now = apart(&found, from.kind);
         if now < 0.1 * NEARER.sqrt() * size || found.events().len() != events {
             return None;
@@ -185,10 +179,10 @@ fn what_is_born_is_another_motion_that_grows_with_the_root_of_the_distance() {
             let start = born.orbit.state();
             let period = born.orbit.period();
             let motion = there.simulate(start.clone(), period).unwrap();
-            let missed = (numbers(&motion.last()) - numbers(&start)).amax();
+            let missed = (vector(&motion.last()) - vector(&start)).amax();
             // Another one than those of the old branch: of twice the period, or not symmetric.
             let distance = apart(&born.orbit, from.kind);
-            let size = numbers(&start).amax();
+            let size = vector(&start).amax();
             let ratio = period / from.orbit.period() / periods;
             if missed > 1e-10
                 || distance < 1e-3 * size

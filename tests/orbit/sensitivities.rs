@@ -586,7 +586,7 @@ fn jumps_and_kinks_of_a_family_are_told() {
     type Speed = fn(f64) -> f64;
     let jumps: [Speed; 3] = [
         |p| if p > 1.0 { 1.5 } else { 1.0 },
-        |p| p + if p >= 1.0 { 0.5 } else { 0.1 },
+        |p| p + if p >= 1.0 { 0.5 } else { 0.0 },
         |p| 1.0 + 0.5 * if p == 1.0 { 0.0 } else { (p - 1.0).signum() },
     ];
     let kinks: [Speed; 4] = [

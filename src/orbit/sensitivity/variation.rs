@@ -4,7 +4,6 @@
 //! motion on each side is smooth, and the derivative exists if both sides have the same.
 
 use std::cell::RefCell;
-use std::cmp::Ordering;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -263,13 +262,8 @@ impl Variation {
             let found = found.judged(here);
             let (error, size) = (found.error.amax(), found.probe.amax());
             let least = best.as_ref().map(|best| best.error.amax());
-            let timeless = |of: &Candidate| of.found.timeless.len();
-            let order = best
-                .as_ref()
-                .map(|best| timeless(&found).cmp(&timeless(best)));
-            let is_nearer =
-                order == Some(Ordering::Equal) && least.is_some_and(|least| error < least);
-            if is_nearer || order.is_none_or(Ordering::is_lt) {
+            let rank = |of: &Candidate| (of.found.timeless.len(), of.error.amax());
+            if best.as_ref().is_none_or(|best| rank(&found) < rank(best)) {
                 best = Some(found);
             }
             let is_rising = |least: f64| error > 0.5 * least && least <= COARSE * size;

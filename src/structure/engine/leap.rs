@@ -25,7 +25,7 @@ const SETTLED: f64 = 40.0;
 /// Halvings of a range of logarithms of speeds to its rounding.
 const HALVINGS: usize = 80;
 
-/// Relative changes in the meantime that are rounding: that of the time may be twice its half ulp.
+/// Relative changes in the meantime that count as rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The increment of a difference, relative to a speed: half the digits are enough.
@@ -79,7 +79,7 @@ pub(super) fn speed_after(
     };
     // The time within which the memory changes by no more than rounding at a speed.
     let load = of.load[0] / contact.compliance;
-    let remembers = |s: f64| {
+    let memory_lasts = |s: f64| {
         let mut time = f64::INFINITY;
         let take = &mut |j: usize, rate: f64| {
             let unit = contact.law.unit_in_creep(at(s), &memory, j).max(1.0);
@@ -89,7 +89,7 @@ pub(super) fn speed_after(
         time
     };
     let resolution = f64::EPSILON * situation.clock.time.abs().max(plan.unit);
-    let resolution = resolution.min(remembers(speed));
+    let resolution = resolution.min(memory_lasts(speed));
     // D s, with the force a load carries by its direct effect.
     let direct = |s: f64| (rate(s * (1.0 - PART)) - rate(s * (1.0 + PART))) / (2.0 * PART);
     let (end, time) = if rate(0.0) < 0.0 {
@@ -108,5 +108,5 @@ pub(super) fn speed_after(
     let fastest = speed.max(end);
     let force = direct(end).max(rate(end).abs());
     let is_still = fastest * time <= ROUNDING * force * plan.unit * plan.unit;
-    (is_still && time <= remembers(end) && end != speed).then_some(end)
+    (is_still && time <= memory_lasts(end) && end != speed).then_some(end)
 }

@@ -618,8 +618,7 @@ fn triggers(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -
             }
             _ => {
                 let passes = matches!(state.phase, Phase::Slip { speed: 0.0, .. });
-                let arrives = passes || state.has_arrived();
-                (arrives && has_moved(c)).then_some(Trigger::Rest(c))
+                ((passes || state.has_arrived()) && has_moved(c)).then_some(Trigger::Rest(c))
             }
         }
     };

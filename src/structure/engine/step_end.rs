@@ -57,14 +57,14 @@ pub(super) fn land(
     for (state, series) in std::iter::zip(&mut situation.states, &series.states) {
         *state = series.at(h);
     }
-    let is_alone = firings.contacts.iter().flatten().count() == 1;
+    let fires_alone = firings.contacts.iter().flatten().count() == 1;
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
         series.contacts[c].relaxation = 0.0;
         series.contacts[c].settling = 0.0;
         // In all other cases nothing has changed for this contact since its mode was decided.
         if h > 0.0 || jumps || firing.is_some() {
-            let firing = (firing, is_alone);
+            let jumps = (jumps, !fires_alone && model.owner_of(c).is_none());
             let fired = land_contact(model, situation, series, c, firing, (settled, jumps));
             if fired && disturbance == Disturbance::None {
                 disturbance = Disturbance::Event;
@@ -129,8 +129,8 @@ fn land_contact(
     situation: &mut Situation,
     series: &Series,
     c: usize,
-    (mut firing, is_alone): (Option<Firing>, bool),
-    (settled, jumps): (AcceptedStep, bool),
+    mut firing: Option<Firing>,
+    (settled, (jumps, may_be_pushed)): (AcceptedStep, (bool, bool)),
 ) -> bool {
     let (contact, h) = (&model.contacts[c], settled.duration);
     let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
@@ -141,8 +141,8 @@ fn land_contact(
     let edge = if stays { state.edge } else { Edge::Away };
     (state.edge, state.load_edge) = (edge, Edge::Away);
     state.entry = Entry::Held;
-    // No other contact changes r', and neither does its own law at r = 0.
-    let is_alone = state.limits.is_none() && (is_alone || model.owner_of(c).is_some());
+    // Neither another force nor its own law at r = 0 changes r'.
+    let is_smooth = !(jumps || may_be_pushed) && state.limits.is_none();
     if let Phase::Slip {
         direction,
         speed,
@@ -155,7 +155,7 @@ fn land_contact(
             firing = Some(Firing::Arrival);
         }
         match firing {
-            Some(Firing::Arrival) if is_alone && !jumps && goes_on(&of.speeds, h) => {
+            Some(Firing::Arrival) if is_smooth && goes_on(&of.speeds, h) => {
                 (*direction, *speed, *piece) = (direction.opposite(), 0.0, 0);
             }
             Some(Firing::Arrival) => (*speed, state.entry) = (0.0, Entry::Arrived(None)),
