@@ -39,8 +39,8 @@ impl<'m> Settling<'m> {
     /// The contacts that settle well within a time; `None` if there are none.
     pub(super) fn within(model: &'m Model<'m>, linear: &Linear, time: f64) -> Option<Self> {
         let rate = |c: usize| braking(model, linear, c);
-        let settles = |c: usize| rate(c) * time > SETTLING;
-        let directions = Directions::new(model, &linear.holding, &settles);
+        let number = |c: usize| (rate(c) * time > SETTLING).then_some(-rate(c));
+        let directions = Directions::new(model, &linear.holding, &number);
         if directions.contacts.is_empty() {
             return None;
         }

@@ -633,6 +633,53 @@ fn slip_turns_back_however_large_the_memory() {
     }
 }
 
+/// Pads that share the load of a block move as one: their directions depend on each other, and their
+/// speeds settle together.
+#[test]
+fn pads_that_share_a_load_move_as_one() {
+    let mut random = Random::new(59);
+    for _ in 0..count(6, 40) {
+        let law = RateState::aging(0.62, 0.01, 0.014, 15e-6, 1e-6).unwrap();
+        let plate = 10_f64.powf(random.uniform(-9.0, -4.0));
+        let mass = 10_f64.powf(random.uniform(-4.0, 2.0));
+        let phi = random.uniform(0.0, 100.0);
+        let place = random.uniform(-0.9, 0.9) * 0.62e-3;
+        let speed = 10_f64.powf(random.uniform(-25.0, -1.0));
+        let side = if random.bits().is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
+        let what = format!("{mass} {phi} {place} {plate} {}", side * speed);
+        let seen = |parts: &[f64]| {
+            let pads = parts.iter().map(|part| {
+                let pad = Contact::new(0, law, 1e4 * part).unwrap();
+                pad.on_belt(plate)
+            });
+            let system = Structure::new(&[mass])
+                .and_then(|block| block.with_ground_spring(0, 1e7))
+                .and_then(|block| block.with_contacts(pads))
+                .unwrap();
+            let start = State::new(&[place], &[0.0]).with_memory(&vec![phi; parts.len()]);
+            let start =
+                (0..parts.len()).fold(start, |start, c| start.with_sliding(c, side * speed));
+            let motion = system.simulate(start, 0.1);
+            motion
+                .unwrap_or_else(|error| panic!("{parts:?} {what}: {error}"))
+                .last()
+        };
+        let (one, all) = (seen(&[1.0]), seen(&[0.2, 0.3, 0.5]));
+        let off = (one.displacements[0] - all.displacements[0]).abs();
+        assert!(off < 1e-14, "{what}: {off:e}");
+        for c in 0..3 {
+            let off = (one.memory[0] - all.memory[c]).abs();
+            assert!(off < 1e-9, "{what}: {off:e}");
+            let ratio = all.sliding()[c].1 / one.sliding()[0].1;
+            assert!((ratio - 1.0).abs() < 2e-9, "{what}: {ratio}");
+        }
+    }
+}
+
 /// A spring that is stronger than friction: from any speed below 1e-12 m/s the motion is that from
 /// there, to the time in which that speed is reached.
 #[test]

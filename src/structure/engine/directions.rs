@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Dyn, LU};
 
 use super::factor::Holding;
 use super::model::Model;
+use crate::numerics::sort::sort_by;
 
 /// Contacts that settle, and that determine the relative velocities of all others that settle.
 #[derive(Debug, Clone, Default)]
@@ -18,13 +19,20 @@ pub(crate) struct Directions {
 }
 
 impl Directions {
-    /// The directions of the contacts that settle, beside those that stick.
-    pub(crate) fn new(model: &Model<'_>, held: &Holding, settles: &dyn Fn(usize) -> bool) -> Self {
+    /// The directions of the contacts that settle, which have a number here, beside those that
+    /// stick. Those of the least numbers are independent, such as the slowest: a small velocity
+    /// would lose its digits as a sum of large ones.
+    pub(crate) fn new(
+        model: &Model<'_>,
+        held: &Holding,
+        number: &dyn Fn(usize) -> Option<f64>,
+    ) -> Self {
         let own = 0..model.contacts.len();
-        let own = own.filter(|&c| settles(c) && model.owner_of(c).is_some());
+        let own = own.filter(|&c| number(c).is_some() && model.owner_of(c).is_some());
         let mut contacts: Vec<usize> = own.collect();
-        let shared = model.shared.iter().copied().filter(|&c| settles(c));
-        let shared: Vec<usize> = shared.collect();
+        let shared = model.shared.iter().copied();
+        let mut shared: Vec<usize> = shared.filter(|&c| number(c).is_some()).collect();
+        sort_by(&mut shared, |&c| number(c).unwrap_or(0.0));
         let mut holding = Holding::default();
         if !shared.is_empty() {
             let sticking = held.contacts.iter().copied();
@@ -66,6 +74,16 @@ impl Directions {
         held: &Holding,
         braking: &dyn Fn(usize) -> f64,
     ) -> Option<LU<f64, Dyn, Dyn>> {
+        self.matrix(model, held, braking).map(DMatrix::lu)
+    }
+
+    /// The matrix of [`rates`](Self::rates), if it is finite.
+    pub(super) fn matrix(
+        &self,
+        model: &Model<'_>,
+        held: &Holding,
+        braking: &dyn Fn(usize) -> f64,
+    ) -> Option<DMatrix<f64>> {
         let size = self.contacts.len();
         let mut matrix = DMatrix::zeros(size, size);
         for (column, velocities) in self.columns.iter().enumerate() {
@@ -92,6 +110,36 @@ impl Directions {
                 matrix[(row, column)] = -model.contacts[d].along(|j| accelerations[j]);
             }
         }
-        matrix.iter().all(|x| x.is_finite()).then(|| matrix.lu())
+        matrix.iter().all(|x| x.is_finite()).then_some(matrix)
+    }
+}
+
+/// A contact whose direction is the sum of those of others: b = Σ α_c b_c.
+#[derive(Debug, Clone)]
+pub(super) struct Dependent {
+    pub(super) contact: usize,
+    pub(super) parts: Vec<(usize, f64)>,
+}
+
+impl Dependent {
+    /// `None` if its direction does not depend on those of the contacts that are held.
+    pub(super) fn on(model: &Model<'_>, holding: &Holding, contact: usize) -> Option<Self> {
+        let parts = model.dependence(contact, holding)?;
+        Some(Self { contact, parts })
+    }
+
+    /// Its relative velocity Σ α_c (r_c + w_c) − w, where those of others may be far below the
+    /// velocities of the surfaces.
+    pub(super) fn relative(
+        &self,
+        relative: impl Fn(usize) -> f64,
+        surface: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let start = [0.0, -surface(self.contact)];
+        let parts = self.parts.iter();
+        let [slip, carried] = parts.fold(start, |[slip, carried], &(c, part)| {
+            [slip + part * relative(c), carried + part * surface(c)]
+        });
+        slip + carried
     }
 }

@@ -2,28 +2,37 @@
 //!
 //! Where the sliding speed of a creeping contact is far from the balance of forces, at a reversal
 //! or where a surface stops, its rate D may be so large that steps of 1/D are below the resolution
-//! of the clock, or coefficients D^k overflow. What the speed does within that resolution h need
-//! not be followed: it moves monotonically to the balance, and as
+//! of the clock, or coefficients D^k overflow. What the speeds do within that resolution h need not
+//! be followed. The relative velocities r of all contacts in slip move to
 //!
 //! ```text
-//! s' = F(s),   F(s_0) = s_1,   F(s) = s_1 − N G [μ(s) − μ(s_0)] − c (s − s_0)
+//! r = r_0 + h r'(r),   r'(r) = r'(r_0) − C (r − r_0) − G [N μ(r) − N μ(r_0)]
 //! ```
 //!
-//! has a decreasing F, it passes the solution of s = s_0 + h F(s), the implicit Euler method,
-//! before the time h. It has settled if it comes close to the balance in h/2 and e^{−Dh/2} is
-//! rounding. Where F(0) is negative, slip turns back: at the time −s_0/F(0) at the latest.
+//! the implicit Euler method, with the compliances G and the damping C between the directions of
+//! the contacts. As N μ rises with r, there is one solution, and each contact comes nearer to its
+//! balance r' = 0 without passing it. One that comes close in h/2, where e^{−Dh/2} is rounding, has
+//! settled, and gets the balance itself.
+//!
+//! Friction follows the logarithm of r, over hundreds of decades. Far from the solution one velocity
+//! after the other is set to that at which its own forces balance; near to it Newton's method
+//! corrects all of them.
 
+use nalgebra::{DMatrix, DVector};
+
+use super::directions::{Dependent, Directions};
 use super::model::Model;
 use super::plan::Plan;
 use super::series::Series;
-use super::state::{Phase, Situation};
+use super::state::{Entry, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};
+use crate::state::Direction;
 
 /// Decay times after which a deviation is rounding: e^{−40} = 4e-18.
 const SETTLED: f64 = 40.0;
 
 /// Halvings of a range of logarithms of speeds to its rounding.
-const HALVINGS: usize = 80;
+const HALVINGS: usize = 64;
 
 /// Relative changes in the meantime that count as rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -31,82 +40,423 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The increment of a difference, relative to a speed: half the digits are enough.
 const PART: f64 = 1.0 / (1 << 26) as f64;
 
-/// The speed of contact c after the resolution of time, if nothing else in the motion changes by
-/// more than rounding.
-pub(super) fn speed_after(
+/// The speed from which Newton's method starts at rest.
+const LEAST: f64 = 1e-290;
+
+/// Newton's corrections at most.
+const MOST: usize = 200;
+
+/// Relative correction after which the next one is less than rounding.
+const SMALL: f64 = 1e-8;
+
+/// Relative correction below which Newton's method converges, and the part of what is left that
+/// another of its steps may leave.
+const NEAR: f64 = 0.5;
+
+/// Factor of the speed in a search for a larger one.
+const FURTHER: f64 = 1e4;
+
+/// Gives contacts in slip the speeds that they reach within the rounding of time, if nothing else
+/// in the motion changes by more than rounding. One that turns back stops at r = 0. Returns false
+/// if no speed changes.
+pub(super) fn leap(
     model: &Model<'_>,
-    situation: &Situation,
-    series: &Series,
+    situation: &mut Situation,
+    series: &mut Series,
     plan: &Plan,
-    c: usize,
-) -> Option<f64> {
-    let (contact, state, of) = (
-        &model.contacts[c],
-        &situation.contacts[c],
-        &series.contacts[c],
-    );
-    let Phase::Slip { speed, .. } = state.phase else {
-        return None;
+) -> bool {
+    let Some(leap) = Leap::new(model, situation, series) else {
+        return false;
     };
-    if !contact.law.creeps() || contact.is_elastic() {
-        return None;
+    let Some(ends) = leap.ends(plan) else {
+        return false;
+    };
+    let Leap {
+        directions, slips, ..
+    } = leap;
+    for &i in &model.shared_coordinates {
+        let changes = ends.changes.iter().enumerate();
+        let changes = changes.map(|(k, change)| change * directions.column(k)[i]);
+        let motion = &mut series.coordinates[i].motion;
+        motion.set_velocity(0, motion.velocity(0) + changes.sum::<f64>());
     }
-    let (slip, memory) = (state.slip(speed)?, |j: usize| state.memory[j]);
-    let at = |speed: f64| Slip { speed, ..slip };
-    let friction = |s: f64| of.load[0] * (contact.law.coefficient(at(s), &memory) * slip.direction);
-    // Beside friction that is as steep, the dampers of shared coordinates are rounding.
-    let owner = model.owner_of(c);
-    let damping = owner.map_or(0.0, |i| model.damping.row(i).0);
-    let braking = friction(speed);
-    let rate = |s: f64| of.speeds[1] - (friction(s) - braking) - damping * (s - speed);
-    // The solution of s = s_0 + h F(s), or of F(s) = 0, by halving the range of ln s.
-    let solution = |inverse: f64| {
-        let is_below = |s: f64| rate(s) > (s - speed) * inverse;
-        let far = speed.max(speed + of.speeds[1] * plan.unit);
-        let [mut low, mut high] = [f64::MIN_POSITIVE, far];
-        if !is_below(low) || is_below(high) {
+    for slip in slips {
+        let end = slip.relative(&ends.relative);
+        let state = &mut situation.contacts[slip.contact];
+        if let Phase::Slip {
+            direction,
+            speed,
+            rate,
+            piece,
+        } = &mut state.phase
+        {
+            if end == direction.sign() * *speed {
+                continue;
+            }
+            let side = Direction::of(end).unwrap_or(direction.opposite());
+            (*direction, *speed, *rate) = (side, end.abs(), None);
+            *piece = model.contacts[slip.contact].piece_above(*speed);
+            state.entry = Entry::Held;
+        }
+    }
+    true
+}
+
+/// A contact in slip.
+struct Slipping {
+    contact: usize,
+    /// r is the sum of these parts of the velocities along the directions, and an offset.
+    parts: Vec<f64>,
+    offset: f64,
+}
+
+impl Slipping {
+    fn relative(&self, velocities: &[f64]) -> f64 {
+        let parts = std::iter::zip(&self.parts, velocities);
+        parts.fold(self.offset, |sum, (part, r)| sum + part * r)
+    }
+}
+
+/// The contacts in slip.
+struct Leap<'a, 's> {
+    model: &'a Model<'s>,
+    situation: &'a Situation,
+    series: &'a Series,
+    /// The independent directions among theirs.
+    directions: Directions,
+    slips: Vec<Slipping>,
+    /// r and r' along the directions at the start.
+    start: Vec<f64>,
+    rates: DVector<f64>,
+    /// C, and G for friction that is the acceleration of its own contact.
+    damping: DMatrix<f64>,
+    compliance: DMatrix<f64>,
+}
+
+impl<'a, 's> Leap<'a, 's> {
+    fn new(model: &'a Model<'s>, situation: &'a Situation, series: &'a Series) -> Option<Self> {
+        let slips = |c: usize| {
+            let is_rigid = !model.contacts[c].is_elastic();
+            is_rigid && matches!(situation.contacts[c].phase, Phase::Slip { .. })
+        };
+        let all: Vec<usize> = (0..model.contacts.len()).filter(|&c| slips(c)).collect();
+        if !all.iter().any(|&c| model.contacts[c].law.creeps()) {
             return None;
         }
-        for _ in 0..HALVINGS {
-            let middle = low.sqrt() * high.sqrt();
-            if is_below(middle) {
-                low = middle;
+        let held = &situation.holding;
+        // The steepest are independent.
+        let number = |c: usize| slips(c).then(|| -series.contacts[c].slope.abs());
+        let directions = Directions::new(model, held, &number);
+        let damping = directions.matrix(model, held, &|_| 0.0)?;
+        let is_independent = |c: usize| directions.contacts.contains(&c);
+        let braking = |c: usize| f64::from(u8::from(is_independent(c)));
+        let compliance = directions.matrix(model, held, &braking)? - &damping;
+        let relative = |c: usize| series.contacts[c].side * situation.contacts[c].speed();
+        let start: Vec<f64> = directions.contacts.iter().map(|&c| relative(c)).collect();
+        let rate = |&c: &usize| series.contacts[c].side * series.contacts[c].speeds[1];
+        let rates = directions.contacts.iter().map(rate);
+        let rates = DVector::from_iterator(start.len(), rates);
+        let surface = |c: usize| series.contacts[c].surface[0];
+        let slipping = |contact: usize| {
+            let mut slipping = Slipping {
+                contact,
+                parts: vec![0.0; start.len()],
+                offset: 0.0,
+            };
+            let place = |c: usize| directions.contacts.iter().position(|&d| d == c);
+            if let Some(place) = place(contact) {
+                slipping.parts[place] = 1.0;
+                return Some(slipping);
+            }
+            let dependent = Dependent::on(model, &directions.holding, contact)?;
+            slipping.offset = dependent.relative(|_| 0.0, surface);
+            for &(c, part) in &dependent.parts {
+                if let Some(place) = place(c) {
+                    slipping.parts[place] = part;
+                }
+            }
+            Some(slipping)
+        };
+        let slips: Option<Vec<Slipping>> = all.into_iter().map(slipping).collect();
+        Some(Self {
+            slips: slips?,
+            model,
+            situation,
+            series,
+            directions,
+            start,
+            rates,
+            damping,
+            compliance,
+        })
+    }
+
+    /// Friction as an acceleration of its own contact, against r.
+    fn friction(&self, c: usize, relative: f64) -> f64 {
+        let (contact, state) = (&self.model.contacts[c], &self.situation.contacts[c]);
+        let slip = self.slip(c, relative);
+        let load = self.series.contacts[c].load[0];
+        load * contact.law.coefficient(slip, &|j| state.memory[j])
+    }
+
+    fn slip(&self, c: usize, relative: f64) -> Slip<f64> {
+        let side = match Direction::of(relative) {
+            Some(side) => side.sign(),
+            None => self.series.contacts[c].side,
+        };
+        Slip {
+            speed: relative.abs(),
+            direction: side,
+            piece: self.model.contacts[c].piece_above(relative.abs()),
+        }
+    }
+
+    /// The derivative of friction by r.
+    fn slope(&self, c: usize, relative: f64) -> f64 {
+        let relative = if relative == 0.0 { LEAST } else { relative };
+        let [more, less] = [1.0 + PART, 1.0 - PART].map(|part| self.friction(c, relative * part));
+        (more - less) / (2.0 * PART * relative)
+    }
+
+    /// The friction of all contacts at these velocities, along the directions.
+    fn frictions(&self, velocities: &[f64]) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.start.len());
+        for slip in &self.slips {
+            let friction = self.friction(slip.contact, slip.relative(velocities));
+            self.add(&mut sum, slip, friction);
+        }
+        sum
+    }
+
+    /// Adds the friction of a contact to that of the contacts along the directions.
+    fn add(&self, sum: &mut DVector<f64>, slip: &Slipping, friction: f64) {
+        let compliance = |c: usize| self.model.contacts[c].compliance;
+        let own = compliance(slip.contact);
+        let parts = std::iter::zip(&self.directions.contacts, &slip.parts);
+        for (sum, (&c, part)) in std::iter::zip(sum.iter_mut(), parts) {
+            *sum += part * friction * (compliance(c) / own);
+        }
+    }
+
+    /// The solution of `inertia` (r − r_0) = r'(r), from these velocities.
+    fn solution(&self, inertia: &[f64], mut velocities: Velocities) -> Option<Velocities> {
+        // Divided by G, the equations are those of the least of a convex function.
+        let divided = self.compliance.clone().lu();
+        let mut resistance = self.damping.clone();
+        for (k, inertia) in inertia.iter().enumerate() {
+            resistance[(k, k)] += inertia;
+        }
+        let mut forces = self.rates.clone();
+        if !(divided.solve_mut(&mut resistance) && divided.solve_mut(&mut forces)) {
+            return None;
+        }
+        let balance = Balance {
+            forces: forces + self.frictions(&self.start),
+            leap: self,
+            resistance,
+        };
+        for _ in 0..MOST {
+            let corrections = balance.corrections(&velocities)?;
+            let parts = std::iter::zip(&corrections, &velocities.relative);
+            let largest = parts.fold(0.0, |most: f64, (change, r)| most.max((change / r).abs()));
+            let mut corrected = velocities.clone();
+            for (k, change) in corrections.iter().enumerate() {
+                corrected.add(k, *change);
+            }
+            if largest < SMALL {
+                return Some(corrected);
+            }
+            if largest < NEAR || balance.left(&corrected) < NEAR * balance.left(&velocities) {
+                velocities = corrected;
             } else {
-                high = middle;
+                for k in 0..inertia.len() {
+                    balance.solve_one(k, &mut velocities)?;
+                }
             }
         }
-        Some(high)
-    };
-    // The time within which the memory changes by no more than rounding at a speed.
-    let load = of.load[0] / contact.compliance;
-    let memory_lasts = |s: f64| {
+        None
+    }
+
+    /// The velocities along the directions after the resolution of time.
+    fn ends(&self, plan: &Plan) -> Option<Velocities> {
+        let clock = self.situation.clock.time.abs();
+        let lasts = self.memory_lasts(&self.start);
+        let resolution = (f64::EPSILON * clock.max(plan.unit)).min(lasts);
+        let side = |k: usize| self.series.contacts[self.directions.contacts[k]].side;
+        let size = self.start.len();
+        let mut inertia = vec![2.0 / resolution; size];
+        let from = std::iter::zip(0.., &self.start).map(|(k, &r)| match r.abs() < LEAST {
+            true => side(k) * LEAST,
+            false => r,
+        });
+        let from = Velocities {
+            relative: from.collect(),
+            changes: vec![0.0; size],
+        };
+        let mut ends = self.solution(&inertia, from)?;
+        let direct =
+            |k: usize, r: f64| self.slope(self.directions.contacts[k], r) * self.compliance[(k, k)];
+        let (mut settles, forced) = (false, 2.0 / resolution);
+        for (k, inertia) in inertia.iter_mut().enumerate() {
+            if direct(k, ends.relative[k]) > SETTLED * *inertia {
+                (*inertia, settles) = (*inertia * PART * PART * PART, true);
+            }
+        }
+        if settles {
+            let balance = self.solution(&inertia, ends.clone());
+            let is_close = |balance: &Velocities| {
+                let mut all = std::iter::zip(&balance.relative, &ends.relative);
+                all.all(|(balance, there)| (balance / there).ln().abs() < 1.0)
+            };
+            if let Some(balance) = balance.filter(is_close) {
+                ends = balance;
+            }
+        }
+        let mut moves = false;
+        for k in 0..size {
+            let (start, end) = (self.start[k], ends.relative[k]);
+            if (end - start).abs() <= ROUNDING * start.abs() {
+                ends.set(k, start, start);
+                continue;
+            }
+            // The way is less than rounding in terms of the forces that change the speed.
+            let fastest = start.abs().max(end.abs());
+            let force = (direct(k, end) * end)
+                .abs()
+                .max((end - start).abs() * forced);
+            if fastest * resolution > ROUNDING * force * plan.unit * plan.unit {
+                return None;
+            }
+            moves = true;
+            if start != 0.0 && end * side(k) < 0.0 {
+                ends.set(k, 0.0, start);
+            }
+        }
+        (moves && self.memory_lasts(&ends.relative) >= 0.5 * resolution).then_some(ends)
+    }
+
+    /// The time within which memories change by no more than rounding at these velocities.
+    fn memory_lasts(&self, velocities: &[f64]) -> f64 {
         let mut time = f64::INFINITY;
-        let take = &mut |j: usize, rate: f64| {
-            let unit = contact.law.unit_in_creep(at(s), &memory, j).max(1.0);
-            time = time.min(ROUNDING * unit / rate.abs());
-        };
-        contact.law.rates(Motion::Slip(at(s)), load, &memory, take);
+        for slip in &self.slips {
+            let c = slip.contact;
+            let (contact, state) = (&self.model.contacts[c], &self.situation.contacts[c]);
+            let motion = self.slip(c, slip.relative(velocities));
+            let load = self.series.contacts[c].load[0] / contact.compliance;
+            let memory = |j: usize| state.memory[j];
+            let take = &mut |j: usize, rate: f64| {
+                let unit = contact.law.unit_in_creep(motion, &memory, j).max(1.0);
+                time = time.min(ROUNDING * unit / rate.abs());
+            };
+            contact.law.rates(Motion::Slip(motion), load, &memory, take);
+        }
         time
-    };
-    let resolution = f64::EPSILON * situation.clock.time.abs().max(plan.unit);
-    let resolution = resolution.min(memory_lasts(speed));
-    // D s, with the force a load carries by its direct effect.
-    let direct = |s: f64| (rate(s * (1.0 - PART)) - rate(s * (1.0 + PART))) / (2.0 * PART);
-    let (end, time) = if rate(0.0) < 0.0 {
-        let longest = -speed / rate(0.0);
-        (longest <= resolution).then_some((0.0, longest))?
-    } else {
-        let half = 0.5 * resolution;
-        let there = solution(half.recip())?;
-        let settles = |balance: &f64| {
-            direct(*balance) * half > SETTLED * balance && (there / balance).ln().abs() < 1.0
+    }
+}
+
+/// Relative velocities along the directions, and their changes: of a large one the change has more
+/// digits, of a small one the velocity itself.
+#[derive(Debug, Clone)]
+struct Velocities {
+    relative: Vec<f64>,
+    changes: Vec<f64>,
+}
+
+impl Velocities {
+    fn add(&mut self, k: usize, change: f64) {
+        self.relative[k] += change;
+        self.changes[k] += change;
+    }
+
+    fn set(&mut self, k: usize, relative: f64, start: f64) {
+        (self.relative[k], self.changes[k]) = (relative, relative - start);
+    }
+}
+
+/// The equations K (r − r_0) + N μ(r) = p, divided by G.
+struct Balance<'l, 'a, 's> {
+    leap: &'l Leap<'a, 's>,
+    resistance: DMatrix<f64>,
+    forces: DVector<f64>,
+}
+
+impl Balance<'_, '_, '_> {
+    /// What is left of the equation of a direction.
+    fn residual(&self, k: usize, velocities: &Velocities) -> f64 {
+        let changes = velocities.changes.iter().enumerate();
+        let resisted: f64 = changes
+            .map(|(j, change)| self.resistance[(k, j)] * change)
+            .sum();
+        self.forces[k] - resisted - self.leap.frictions(&velocities.relative)[k]
+    }
+
+    /// The largest of what is left.
+    fn left(&self, velocities: &Velocities) -> f64 {
+        let left = (0..velocities.relative.len()).map(|k| self.residual(k, velocities).abs());
+        left.fold(0.0, f64::max)
+    }
+
+    /// The derivatives by the velocities, times −1.
+    fn slopes(&self, velocities: &Velocities) -> DMatrix<f64> {
+        let mut matrix = self.resistance.clone();
+        for slip in &self.leap.slips {
+            let relative = slip.relative(&velocities.relative);
+            let slope = self.leap.slope(slip.contact, relative);
+            for (k, part) in slip.parts.iter().enumerate() {
+                let mut column = DVector::zeros(slip.parts.len());
+                self.leap.add(&mut column, slip, slope * part);
+                let mut sum = matrix.column_mut(k);
+                sum += column;
+            }
+        }
+        matrix
+    }
+
+    /// Newton's corrections of all velocities.
+    fn corrections(&self, velocities: &Velocities) -> Option<DVector<f64>> {
+        let mut matrix = self.slopes(velocities);
+        let scales = matrix.diagonal().abs();
+        for (mut column, scale) in std::iter::zip(matrix.column_iter_mut(), &scales) {
+            column /= *scale;
+        }
+        let mut corrections = DVector::from_fn(scales.len(), |k, _| self.residual(k, velocities));
+        if !matrix.lu().solve_mut(&mut corrections) {
+            return None;
+        }
+        corrections.component_div_assign(&scales);
+        let is_finite = corrections.iter().all(|x| x.is_finite());
+        is_finite.then_some(corrections)
+    }
+
+    /// Solves the equation of one direction, whose residual falls as its velocity rises.
+    fn solve_one(&self, k: usize, velocities: &mut Velocities) -> Option<()> {
+        let start = self.leap.start[k];
+        let residual = &mut |r: f64| {
+            velocities.set(k, r, start);
+            self.residual(k, velocities)
         };
-        let end = solution(0.0).filter(settles).unwrap_or(there);
-        (end, resolution)
-    };
-    // The way is less than rounding in terms of the forces that change the speed.
-    let fastest = speed.max(end);
-    let force = direct(end).max(rate(end).abs());
-    let is_still = fastest * time <= ROUNDING * force * plan.unit * plan.unit;
-    (is_still && time <= memory_lasts(end) && end != speed).then_some(end)
+        let side = residual(0.0).signum();
+        let is_below = &mut |r: f64| side * residual(side * r) > 0.0;
+        let [mut low, mut high] = [LEAST, start.abs().max(FURTHER * LEAST)];
+        if is_below(low) {
+            while is_below(high) {
+                (low, high) = (high, FURTHER * high);
+                if high > f64::MAX.sqrt() {
+                    return None;
+                }
+            }
+            for _ in 0..HALVINGS {
+                let middle = low.sqrt() * high.sqrt();
+                if is_below(middle) {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+        }
+        velocities.set(k, side * low, start);
+        let change = self.residual(k, velocities) / self.slopes(velocities)[(k, k)];
+        velocities.add(k, change);
+        Some(())
+    }
 }

@@ -95,7 +95,7 @@ use modes::{At, Modes};
 use modes_after::{begin, decide, slide};
 use plan::{Control, LONGEST_STEP, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter};
 use series::Series;
-use state::{Disturbance, Entry, Firing, Phase, Situation};
+use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
 
 use super::carried::Carried;
@@ -317,21 +317,13 @@ impl<'s> Engine<'s> {
             firings,
             ..
         } = self;
+        if !leap::leap(model, situation, series, &control.plan) {
+            return None;
+        }
         *firings = Firings::default();
         firings.contacts.resize(model.contacts.len(), None);
-        let mut leaps = false;
-        for (c, firing) in firings.contacts.iter_mut().enumerate() {
-            let Some(end) = leap::speed_after(model, situation, series, &control.plan, c) else {
-                continue;
-            };
-            let state = &mut situation.contacts[c];
-            if let Phase::Slip { speed, rate, .. } = &mut state.phase {
-                (*speed, *rate, state.entry, leaps) = (end, None, Entry::Held, true);
-            }
-            *firing = (end == 0.0).then_some((0.0, Firing::Arrival));
-        }
         control.longest = f64::INFINITY;
-        leaps.then_some(AcceptedStep {
+        Some(AcceptedStep {
             duration: 0.0,
             at_break: None,
         })

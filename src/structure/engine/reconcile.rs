@@ -1,12 +1,14 @@
 //! Coordinates that contacts share, after a step: the relative velocities of contacts are
 //! integrated separately, and the velocities of the coordinates are adjusted to them.
 
+use super::directions::Dependent;
 use super::factor::{Pivot, ROUNDING};
 use super::model::Model;
 use super::series::Series;
 use super::shared::unless_rounding;
 use super::state::{Closed, Entry, Phase, Situation};
 use crate::numerics::sort::sort_by;
+use crate::state::Direction;
 
 /// Contacts that come to rest because others do: r_d = Σ α_c (r_c + w_c) − w_d of a direction
 /// b_d = Σ α_c b_c is 0 to the rounding of its terms. The roots of all these speeds are one, but
@@ -112,10 +114,41 @@ impl Connected {
     }
 }
 
+/// Creeping contacts whose directions depend on those of slower ones: rounding errors of many steps
+/// would separate their velocities.
+fn agree(model: &Model<'_>, situation: &mut Situation, series: &Series) {
+    let slips = |&c: &usize| {
+        let state = &situation.contacts[c];
+        model.contacts[c].law.creeps() && state.speed() > 0.0
+    };
+    let mut creeping: Vec<usize> = model.shared.iter().copied().filter(slips).collect();
+    if creeping.len() < 2 {
+        return;
+    }
+    sort_by(&mut creeping, |&c| situation.contacts[c].speed());
+    let held = situation.holding.contacts.iter().chain(&creeping);
+    let holding = model.independent(held.copied().collect(), &|_| 0.0);
+    creeping.retain(|c| !holding.contacts.contains(c));
+    for c in creeping {
+        let Some(dependent) = Dependent::on(model, &holding, c) else {
+            continue;
+        };
+        let relative = |c: usize| series.contacts[c].side * situation.contacts[c].speed();
+        let sum = dependent.relative(relative, |c| series.contacts[c].surface[0]);
+        if let Phase::Slip {
+            direction, speed, ..
+        } = &mut situation.contacts[c].phase
+        {
+            (*direction, *speed) = (Direction::of(sum).unwrap_or(*direction), sum.abs());
+        }
+    }
+}
+
 /// Sets the velocities of shared coordinates from the relative velocities of their contacts, which
 /// are integrated separately, and the displacements from the positions of contacts that stick. The
 /// changes have the least kinetic energy. Without them rounding errors would accumulate.
 pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
+    agree(model, situation, series);
     let closed = situation.closed.take();
     let has_arrived = |&c: &usize| situation.contacts[c].has_arrived();
     let closed = closed.filter(|_| !model.shared.iter().any(has_arrived));

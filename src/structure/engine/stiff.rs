@@ -26,7 +26,7 @@ use nalgebra::{DVector, Dyn, LU};
 
 use super::contact_series::StepMode;
 use super::coordinate_series::ALL;
-use super::directions::Directions;
+use super::directions::{Dependent, Directions};
 use super::model::Model;
 use super::series::Series;
 use super::state::{Phase, Situation};
@@ -41,17 +41,14 @@ const LONGEST: f64 = 3.0;
 /// Change of ln s after which Newton's next one is less than rounding.
 const SMALL: f64 = 1e-8;
 
-/// A direction as a sum of those of contacts, each with its part.
-type Parts = Vec<(usize, f64)>;
-
 /// The contacts whose sliding speeds are on a slow manifold, in the step that is computed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stiff {
     /// The contacts whose speeds determine all others.
     directions: Directions,
-    /// The other contacts in slip that share coordinates. If the direction depends on those above,
-    /// it is Σ α_c b_c with these parts α.
-    others: Vec<(usize, Option<Parts>)>,
+    /// The other contacts in slip that share coordinates, those that depend on the contacts above
+    /// with their parts.
+    others: Vec<(usize, Option<Dependent>)>,
     /// The speeds of the pass before.
     before: Vec<PowerSeries>,
     /// How far the balance of forces is from the speeds that are 0, to first order, in this pass
@@ -69,15 +66,18 @@ impl Stiff {
 
     /// Takes all contacts that are marked as settling, at their present speeds.
     pub(super) fn of(model: &Model<'_>, situation: &Situation, series: &Series) -> Self {
-        let settles = |c: usize| series.contacts[c].settling > 0.0;
-        let directions = Directions::new(model, &situation.holding, &settles);
+        let number = |c: usize| {
+            let settling = series.contacts[c].settling;
+            (settling > 0.0).then_some(-settling)
+        };
+        let directions = Directions::new(model, &situation.holding, &number);
         let holding = &directions.holding;
         let mut others = Vec::new();
         if !holding.contacts.is_empty() {
             let slips = |c: usize| matches!(situation.contacts[c].phase, Phase::Slip { .. });
             let slipping = model.shared.iter().copied().filter(|&c| slips(c));
             let left = slipping.filter(|c| !holding.contacts.contains(c));
-            others.extend(left.map(|c| (c, model.dependence(c, holding))));
+            others.extend(left.map(|c| (c, Dependent::on(model, holding, c))));
         }
         let speed = |&c: &usize| PowerSeries::of(situation.contacts[c].speed());
         Self {
@@ -121,6 +121,13 @@ impl Stiff {
         k: usize,
         evaluate: &mut dyn FnMut(&mut Series),
     ) -> bool {
+        if k == 0 {
+            // What the velocities differ by from the speeds is rounding, no motion of others.
+            for &c in &self.directions.contacts {
+                series.contacts[c].speeds[0] = situation.contacts[c].speed();
+            }
+            self.hold_velocities(model, series, 0);
+        }
         for (&c, before) in std::iter::zip(&self.directions.contacts, &self.before) {
             series.contacts[c].speeds[k] = before[k];
         }
@@ -240,9 +247,8 @@ impl Stiff {
         )
     }
 
-    /// Sets order k of the velocities, and of the speeds of other contacts, by the speeds of these
-    /// contacts.
-    fn move_velocities(&self, model: &Model<'_>, series: &mut Series, k: usize) {
+    /// Sets order k of the velocities by the speeds of these contacts.
+    fn hold_velocities(&self, model: &Model<'_>, series: &mut Series, k: usize) {
         for &c in &self.directions.contacts {
             if let Some(i) = model.owner_of(c) {
                 let of = &series.contacts[c];
@@ -253,23 +259,11 @@ impl Stiff {
         if self.directions.holding.contacts.is_empty() {
             return;
         }
-        let relative = |series: &Series, c: usize| {
-            let of = &series.contacts[c];
-            match of.mode {
-                StepMode::Slip => of.side * of.speeds[k],
-                StepMode::Open | StepMode::Stick => 0.0,
-            }
-        };
-        let along = |series: &Series, c: usize| {
-            let velocity = |j: usize| series.coordinates[j].motion.velocity(k);
-            model.contacts[c].along(velocity)
-        };
-        let before: Vec<f64> = self.others.iter().map(|&(c, _)| along(series, c)).collect();
         // Twice: the corrections have rounding errors of what they take away.
         for _ in 0..2 {
             let apart = |c: usize| {
                 let of = &series.contacts[c];
-                along(series, c) - of.surface[k] - relative(series, c)
+                along(model, series, c, k) - of.surface[k] - relative(series, c, k)
             };
             let corrections = model.corrections(&self.directions.holding, &apart);
             for (j, correction) in corrections {
@@ -277,25 +271,41 @@ impl Stiff {
                 motion.set_velocity(k, motion.velocity(k) - correction);
             }
         }
-        for ((c, parts), before) in std::iter::zip(&self.others, before) {
-            let speed = match parts {
-                Some(parts) => {
+    }
+
+    /// Sets order k of the velocities, and of the speeds of other contacts, by the speeds of these
+    /// contacts.
+    fn move_velocities(&self, model: &Model<'_>, series: &mut Series, k: usize) {
+        let before = self.others.iter().map(|&(c, _)| along(model, series, c, k));
+        let before: Vec<f64> = before.collect();
+        self.hold_velocities(model, series, k);
+        for ((c, dependent), before) in std::iter::zip(&self.others, before) {
+            let speed = match dependent {
+                Some(dependent) => {
                     let surface = |c: usize| series.contacts[c].surface[k];
-                    let parts = parts.iter();
-                    let [slip, carried] =
-                        parts.fold([0.0, -surface(*c)], |[slip, carried], part| {
-                            let (d, part) = *part;
-                            let slip = slip + part * relative(series, d);
-                            [slip, carried + part * surface(d)]
-                        });
-                    series.contacts[*c].side * (slip + carried)
+                    let relative = dependent.relative(|d| relative(series, d, k), surface);
+                    series.contacts[*c].side * relative
                 }
                 None => {
                     let of = &series.contacts[*c];
-                    of.speeds[k] + of.side * (along(series, *c) - before)
+                    of.speeds[k] + of.side * (along(model, series, *c, k) - before)
                 }
             };
             series.contacts[*c].speeds[k] = speed;
         }
     }
+}
+
+/// Order k of the relative velocity of a contact.
+fn relative(series: &Series, c: usize, k: usize) -> f64 {
+    let of = &series.contacts[c];
+    match of.mode {
+        StepMode::Slip => of.side * of.speeds[k],
+        StepMode::Open | StepMode::Stick => 0.0,
+    }
+}
+
+/// Order k of b·v.
+fn along(model: &Model<'_>, series: &Series, c: usize, k: usize) -> f64 {
+    model.contacts[c].along(|j| series.coordinates[j].motion.velocity(k))
 }
