@@ -210,6 +210,43 @@ fn random_branches_visit_no_motion_twice() {
     assert!(followed >= count(4, 200), "{followed}");
 }
 
+/// As the load falls, a contact at rest begins to slip to and fro. The first slips are as short as
+/// rounding, and its position is not determined: the branch goes on beyond them.
+#[test]
+fn a_branch_passes_slips_that_are_rounding() {
+    let mut random = Random::new(20_261_127);
+    let family = (0..=114)
+        .map(|_| Family::random(&mut random))
+        .last()
+        .unwrap();
+    let orbit = family.motion().unwrap();
+    let branch = follow(|parameter| family.at(parameter), 1.0, &orbit, 0.75..1.25).unwrap();
+    assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+    let [begin] = &branch.bifurcations[..] else {
+        panic!("{:?}", branch.bifurcations)
+    };
+    assert_eq!(begin.kind, BifurcationKind::Grazing);
+    let slips = |point: &BranchPoint<State>| {
+        let mut events = point.orbit.events().iter();
+        events.any(|event| event.contact() == Some(1))
+    };
+    let below = branch.points.iter().filter(|point| slips(point));
+    let above = branch.points.iter().filter(|point| !slips(point));
+    let last = below.map(|point| point.parameter).fold(0.0, f64::max);
+    let first = above.map(|point| point.parameter).fold(2.0, f64::min);
+    assert!(last < begin.parameter && begin.parameter < first);
+    // Neighbouring systems from rest, simulated for long.
+    for (beside, is_slipping) in [(-0.01, true), (0.01, false)] {
+        let system = family.at(begin.parameter + beside).unwrap();
+        let start = State::at_rest(family.masses.len());
+        let period = orbit.period();
+        let before = system.simulate(start, 400.0 * period).unwrap();
+        let motion = system.simulate(before.last(), period).unwrap();
+        let mut events = motion.events().iter();
+        assert_eq!(events.any(|event| event.contact() == Some(1)), is_slipping);
+    }
+}
+
 /// A contact of the string comes to stick where the displacement at the contact turns most sharply.
 #[test]
 fn a_bowed_string_is_followed_past_a_stick_at_its_turning_point() {
