@@ -24,7 +24,14 @@ use crate::state::structure::State;
 
 /// Distances from the bifurcation at which the other branch is met, in units of the sizes. The
 /// equations are conditioned like their reciprocals.
-const AWAY: [f64; 3] = [1e-2, 3e-3, 3e-2];
+const AWAY: [f64; 6] = [1e-2, 3e-3, 3e-2, 1e-3, 3e-4, 1e-4];
+
+/// A branch leads to the bifurcation if, each time its distance is halved, that of the parameter
+/// falls at least by this factor: on a smooth branch it is a quarter. Below a part of the range the
+/// distance is rounding.
+const HALVINGS: usize = 2;
+const NEARER: f64 = 0.5;
+const ROUNDING: f64 = 1e-9;
 
 /// Distances in the parameter between motions that give the tangent, in units of the range.
 const BESIDE: [f64; 2] = [1e-3, 1e-4];
@@ -50,10 +57,13 @@ impl<S: SystemState> Bifurcation<S> {
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
     /// ```
     ///
-    /// The amplitudes |ε| = 10⁻², 3·10⁻³ and 3·10⁻², relative to the size of the motion, are tried
-    /// one after the other. The parameter differs from that of the bifurcation by an amount of
-    /// order ε². [`criticality`](Self::criticality) returns the side on which the new motions
-    /// exist.
+    /// The amplitudes |ε| = 10⁻², 3·10⁻³, 3·10⁻², 10⁻³, 3·10⁻⁴ and 10⁻⁴, relative to the size of the
+    /// motion, are tried one after the other. The parameter differs from that of the bifurcation by
+    /// an amount of order ε². Other branches of such motions may lie as near. A motion is therefore
+    /// the result only if its branch leads to the bifurcation: at ε/2 and at ε/4 this difference
+    /// falls at least by half each time. Between the bifurcation and the motion the events of the
+    /// branch may change. [`criticality`](Self::criticality) returns the side on which the new
+    /// motions exist.
     ///
     /// At the bifurcation the new branch turns back. At a flip it then runs through the same
     /// motions again, begun half a period later; at a pitchfork, through their mirror images.
@@ -195,28 +205,47 @@ fn other_branch(
     let slope = normal.dot(&direction);
     let origin = normal.dot(&scaled(&here.y));
     let mut failure = lost(&here);
-    for away in AWAY.iter().flat_map(|away| [*away, -away]) {
+    // The motion of the other branch at a distance; `None` if the motion found is of the old one.
+    let met = |away: f64, guess: &DVector<f64>| -> Result<Option<Solved>, Error> {
         let plane = Plane {
             scale: &scale,
             normal: &normal / slope,
             value: origin / slope + away,
             along: &direction,
         };
-        let found = match curve.solve(&(&here.y + &across * away), &here, &plane) {
-            Ok(found) => found,
-            Err(error) => {
-                failure = error;
-                continue;
-            }
-        };
+        let found = curve.solve(guess, &here, &plane)?;
         let (half, _) = curve.motion(&found.y, &found.begin, 0.5)?;
         let start = vector(&half.start, order);
         let image = vector(&half_map.applied(half).end, order);
         let missed = (start - image).component_div(&sizes);
         let weights = inverted.component_div(&sizes);
         let missed = missed.dot(&weights) / weights.norm_squared();
-        if missed.abs() >= APART * 2.0 * away.abs() {
-            return Ok((curve.parameter(&found.y), found.trial));
+        Ok((missed.abs() >= APART * 2.0 * away.abs()).then_some(found))
+    };
+    let apart = |found: &Solved| (curve.parameter(&found.y) - parameter).abs();
+    // Other branches of such motions may lie as near.
+    let leads_here = |found: &Solved, away: f64| {
+        let (mut away, mut farther) = (away, found.clone());
+        (0..HALVINGS).all(|_| {
+            away *= 0.5;
+            let mut guess = &here.y + (&farther.y - &here.y) * 0.5;
+            guess[last] = parameter + 0.25 * (curve.parameter(&farther.y) - parameter);
+            let Ok(Some(nearer)) = met(away, &guess) else {
+                return false;
+            };
+            let is_nearer = apart(&nearer) <= NEARER * apart(&farther);
+            let is_rounding = apart(&nearer) <= ROUNDING * curve.width();
+            farther = nearer;
+            is_nearer || is_rounding
+        })
+    };
+    for away in AWAY.iter().flat_map(|away| [*away, -away]) {
+        match met(away, &(&here.y + &across * away)) {
+            Ok(Some(found)) if leads_here(&found, away) => {
+                return Ok((curve.parameter(&found.y), found.trial));
+            }
+            Ok(_) => {}
+            Err(error) => failure = error,
         }
     }
     Err(failure)
