@@ -248,12 +248,7 @@ pub(super) fn settled<S: Oscillator>(
                 && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
             {
                 let state = orbit.state().general();
-                let attractor = if stands(form, &orbit) {
-                    at_rest(&seen.modes)
-                } else {
-                    named(orbit)
-                };
-                return Ok((attractor, state));
+                return Ok((named(form, orbit), state));
             }
         }
         turning = seen.largest();
@@ -344,23 +339,38 @@ fn fastest_surface(form: &GeneralForm<'_>) -> f64 {
 
 /// The equilibrium with these modes.
 fn at_rest<S: SystemState>(modes: &[Mode]) -> Attractor<S> {
-    if modes.iter().any(|mode| matches!(mode, Mode::Slip(_))) {
+    if slides(modes) {
         Attractor::SteadySliding
     } else {
         Attractor::Rest
     }
 }
 
-/// A periodic motion as an attractor, with stick or without.
-fn named<S: SystemState>(orbit: Orbit<S>) -> Attractor<S> {
-    match kind_of(&orbit) {
+fn slides(modes: &[Mode]) -> bool {
+    modes.iter().any(|mode| matches!(mode, Mode::Slip(_)))
+}
+
+/// A periodic motion as an attractor.
+fn named<S: SystemState>(form: &GeneralForm<'_>, orbit: Orbit<S>) -> Attractor<S> {
+    match kind_of(form, &orbit) {
+        AttractorKind::Rest => Attractor::Rest,
+        AttractorKind::SteadySliding => Attractor::SteadySliding,
         AttractorKind::StickSlip => Attractor::StickSlip(Box::new(orbit)),
         _ => Attractor::PureSlip(Box::new(orbit)),
     }
 }
 
-/// The kind of a periodic motion.
-pub(super) fn kind_of<S: SystemState>(orbit: &Orbit<S>) -> AttractorKind {
+/// The kind of a periodic motion: at rest, with stick or without.
+pub(super) fn kind_of<S: SystemState>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> AttractorKind {
+    if stands(form, orbit) {
+        let start = orbit.state().general();
+        let flow = Flow::new(Integrator::new(), form.model.clone(), &start);
+        let mut steps = flow.into_iter().flatten().map_while(Result::ok);
+        return match steps.find(|step| step.duration() > 0.0) {
+            Some(step) if slides(step.modes()) => AttractorKind::SteadySliding,
+            _ => AttractorKind::Rest,
+        };
+    }
     let mut events = orbit.events().iter();
     if events.any(|event| event.kind == EventKind::Stick) {
         AttractorKind::StickSlip

@@ -2,21 +2,22 @@
 
 use std::cell::Cell;
 use std::collections::HashSet;
+use std::f64::consts::TAU;
 use std::ops::ControlFlow::{Break, Continue};
 
 use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation;
 use stick_slip::orbit::{
-    self, AttractorKind, BifurcationKind, Border, BranchEnd, Search, VibrationRanges, classify,
-    vibration_ranges,
+    self, AttractorKind, BifurcationKind, Border, Branch, BranchEnd, Search, VibrationRanges,
+    classify, vibration_ranges,
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyLaw, Contact, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck,
-    Structure, SystemState,
+    AnyLaw, Contact, Coulomb, Drive, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
+    Polynomial, Stribeck, Structure, SystemState,
 };
 
-use crate::common::{count, exactly, on_belt, one_mass};
+use crate::common::{count, exactly, on_belt, one_mass, vector};
 
 fn show<S: SystemState>(found: &VibrationRanges<S>) {
     for range in &found.ranges {
@@ -252,6 +253,87 @@ fn forced_motions_have_ranges_too() {
             .iter()
             .any(|range| range.attractors.contains(&AttractorKind::StickSlip))
     );
+}
+
+/// A mass on a belt whose velocity varies, but not its direction, stands still: Coulomb's friction
+/// is constant. Beyond, the mass vibrates, and the branch of this motion leads back to rest.
+#[test]
+fn masses_at_rest_under_a_drive_slide_steadily() {
+    use AttractorKind::{SteadySliding, StickSlip};
+    let belt = |part: f64| Drive::harmonic(0.4 * part, 0.57, 0.0)?.with_constant(0.4);
+    for stiffness in [None, Some(16.0)] {
+        let family = |part: f64| -> Result<Structure, Error> {
+            let contact = Contact::new(0, Coulomb::new(0.2, 0.2)?, 1.0)?.on_belt(belt(part)?);
+            let contact = match stiffness {
+                Some(stiffness) => contact.with_tangential_stiffness(stiffness)?,
+                None => contact,
+            };
+            // A joint carries what it carried when it last slipped.
+            let joint = Contact::between(0, 1, Coulomb::new(0.3, 0.3)?, 0.1)?;
+            Structure::new(&[1.0, 0.8])?
+                .with_ground_spring(0, 0.9)?
+                .with_ground_damper(0, 0.07)?
+                .with_ground_spring(1, 1.2)?
+                .with_ground_damper(1, 0.07)?
+                .with_contact(contact)?
+                .with_contact(joint.with_tangential_stiffness(2.0)?)
+        };
+        let found = vibration_ranges(family, 0.5..1.3).unwrap();
+        show(&found);
+        let first = &found.ranges[0];
+        assert_eq!(first.attractors, [SteadySliding]);
+        assert!((first.parameters.end - 1.0).abs() < 1e-6);
+        for range in &found.ranges[1..] {
+            assert!(range.attractors.iter().all(|kind| *kind == StickSlip));
+        }
+    }
+}
+
+/// A joint slips one way at the end of the branch on which it never slips, and vibration goes on
+/// in another position of it. No value of the sweep lies there.
+#[test]
+fn a_range_that_the_sweep_passes_over_has_its_attractor() {
+    let family = |force: f64| -> Result<Structure, Error> {
+        let mut chain = Structure::new(&[0.9183, 1.2279, 0.9018])?;
+        for (i, spring) in [0.8651, 0.8282, 0.8979].into_iter().enumerate() {
+            chain = chain
+                .with_ground_spring(i, spring)?
+                .with_ground_damper(i, 0.02752)?;
+        }
+        chain
+            .with_spring(0, 1, 0.6161)?
+            .with_spring(1, 2, 0.6161)?
+            .with_force(2, Drive::harmonic(force, 0.8796, 0.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.3144, 0.3144)?, 0.3458)?.on_belt(0.4482))?
+            .with_contact(Contact::between(
+                0,
+                1,
+                Coulomb::new(0.3424, 0.3424)?,
+                1.133,
+            )?)
+    };
+    let range = 0.3301..0.8253;
+    let found = vibration_ranges(family, range.clone()).unwrap();
+    show(&found);
+    let slips = |branch: &Branch<State>| matches!(branch.ends[1], BranchEnd::OneWaySlip { .. });
+    assert!(found.branches.iter().any(slips));
+    for range in &found.ranges {
+        let width = range.parameters.end - range.parameters.start;
+        assert!(width < 5e-5 || !range.attractors.is_empty());
+    }
+    // Between the end of that branch and the next value of the sweep the motion from rest repeats
+    // itself with stick.
+    let force = 0.5933;
+    let (system, period) = (family(force).unwrap(), TAU / 0.8796);
+    let start = system.simulate(State::at_rest(3), 2000.0 * period).unwrap();
+    let start = start.last();
+    let motion = system.simulate(start.clone(), period).unwrap();
+    let missed = (vector(&motion.last()) - vector(&start)).amax();
+    let sticks = motion.events().iter().any(|e| e.kind == EventKind::Stick);
+    assert!(missed < 1e-6 && sticks, "{missed:e}");
+    let there = found.ranges.iter();
+    let mut there = there.filter(|range| range.parameters.contains(&force));
+    assert_eq!(there.next().unwrap().attractors, [AttractorKind::StickSlip]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::branch::{BifurcationKind, Branch, BranchEnd};
 use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};
 use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
-use super::sweep::{Sweep, SweepPoint};
+use super::sweep::SweepPoint;
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::motion::{AttractorKind, SystemState};
@@ -36,6 +36,11 @@ const SAME: f64 = 1e-9;
 /// it ends, in parts of the range.
 const NEAR: f64 = 1e-6;
 
+/// Ranges wider than this part of the whole in which no attractor is known are tried once more, and
+/// so are those that are left, as often.
+const WIDE: f64 = 1e-4;
+const ROUNDS: usize = 3;
+
 /// Motions below this part of the largest extent on a branch are the Hopf point near them: a fold
 /// of such a motion lies A⁴ ~ 1e-12 of the range from it, less than rounding of the small motion.
 const SMALL: f64 = 1e-3;
@@ -52,11 +57,13 @@ const SMALL: f64 = 1e-3;
 /// fold or grazing itself, not the last value at which a simulation showed stick. The branches also
 /// contain motions that no simulation from steady sliding reaches.
 ///
-/// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
-/// range, like those of [`follow`](super::follow()). Hopf points in [`VibrationRange::parameters`]
-/// are exact to rounding, because they follow from the eigenvalues of steady sliding. Parameters at
-/// which the family returns an error belong to no range; the ranges next to them end with
-/// [`Border::NoSystem`]. Attractors on a branch that neither search reaches are missed.
+/// A motion that lies on two branches counts once. Masses at rest on a branch count as steady
+/// sliding or rest, also if drives vary, and once, whatever forces their joints carry. Bifurcations
+/// are exact to about 1e-10 of the range, like those of [`follow`](super::follow()). Hopf points in
+/// [`VibrationRange::parameters`] are exact to rounding, because they follow from the eigenvalues
+/// of steady sliding. Parameters at which the family returns an error belong to no range; the
+/// ranges next to them end with [`Border::NoSystem`]. Attractors on a branch that neither search
+/// reaches are missed.
 ///
 /// In steady sliding a contact slides if its surface moves; any other contact, such as a joint
 /// between masses, sticks, and its force may have any value within its limit. Steady sliding counts
@@ -68,6 +75,9 @@ const SMALL: f64 = 1e-3;
 /// An attractor that the sweep reaches, and that neither a branch nor these eigenvalues explain, is
 /// entered for the whole range around the value: for example chaos ([`AttractorKind::Irregular`]),
 /// steady sliding of a shaft that turns, or a motion whose branch cannot be followed.
+///
+/// A range wider than 10⁻⁴ of the whole in which no attractor is known is tried once more, from rest
+/// at its middle. If no branch explains this motion, only its kind is entered.
 ///
 /// The work is a sweep over 17 values, upward and downward, and one [`follow`](super::follow()) for
 /// each branch: seconds for a few masses, tens of seconds for a dozen masses.
@@ -169,54 +179,90 @@ impl Search<'_> {
             let orbit = point.attractor.as_ref().ok().and_then(Attractor::orbit)?;
             Some((point.parameter, orbit))
         });
-        let mut follow = |parameter: f64, orbit: &Orbit<S::State>| {
-            if !branches
-                .iter()
-                .any(|branch| is_on(branch, parameter, orbit))
-                && let Ok(branch) = search.follow(family, parameter, orbit, start..end)
-                && !branches.iter().any(|known| is_same(known, &branch))
-            {
-                branches.push(branch);
-            }
-        };
         for (parameter, orbit) in swept {
-            follow(parameter, orbit);
+            search.follow_new(family, (parameter, orbit), &(start..end), &mut branches);
         }
         for crossing in steady.crossings.iter().filter(|at| at.frequency > 0.0) {
             if let Ok(born) = search.begin(family, crossing.parameter)
                 && (start..=end).contains(&born.parameter)
             {
-                follow(born.parameter, &born.orbit);
+                let born = (born.parameter, &born.orbit);
+                search.follow_new(family, born, &(start..end), &mut branches);
             }
         }
-        let mut stretches = steady_stretches(&steady, start..end);
         let known = Known {
             crossings: &steady.crossings,
             systems: &systems,
             near: NEAR * (end - start),
         };
-        for branch in &branches {
-            search.add_stretches(family, branch, &known, &mut stretches);
+        let mut tried: Vec<SweepPoint<S::State>> = Vec::new();
+        let mut round = 0;
+        loop {
+            let mut stretches = steady_stretches(&steady, start..end);
+            for branch in &branches {
+                search.add_stretches(family, branch, &known, &mut stretches);
+            }
+            let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S::State>>| {
+                search.different(family, parameter, stretches)
+            };
+            // A motion on a branch is known, and so is an equilibrium that repels: near a change of
+            // its stability a sweep takes it for an attractor.
+            let is_known = |point: &SweepPoint<S::State>| match &point.attractor {
+                Ok(Attractor::PureSlip(orbit) | Attractor::StickSlip(orbit)) => branches
+                    .iter()
+                    .any(|branch| is_on(branch, point.parameter, orbit)),
+                Ok(Attractor::Rest | Attractor::SteadySliding) => family(point.parameter)
+                    .is_ok_and(|system| Standing::of(&system.form()).is_some_and(|it| it.repels())),
+                Ok(Attractor::Irregular) | Err(_) => false,
+            };
+            let points: Vec<_> = sweep.up.iter().chain(&sweep.down).chain(&tried).collect();
+            let ranges = ranges(&stretches, &points, &systems, start..end, differ, is_known);
+            let empty = ranges.iter().filter(|found| found.attractors.is_empty());
+            let empty = empty.map(|found| found.parameters.clone());
+            let empty: Vec<f64> = empty
+                .filter(|part| part.end - part.start > WIDE * (end - start))
+                .map(|part| 0.5 * (part.start + part.end))
+                .filter(|middle| tried.iter().all(|point| point.parameter != *middle))
+                .collect();
+            if empty.is_empty() || round == ROUNDS || stopped.get().is_some() {
+                return Ok(VibrationRanges {
+                    ranges,
+                    branches,
+                    sweep,
+                    stopped: stopped.get(),
+                });
+            }
+            for parameter in empty {
+                let attractor = family(parameter).and_then(|it| search.classify(&it, &rest));
+                if let Some(orbit) = attractor.as_ref().ok().and_then(Attractor::orbit) {
+                    let found = (parameter, orbit);
+                    search.follow_new(family, found, &(start..end), &mut branches);
+                }
+                tried.push(SweepPoint {
+                    parameter,
+                    attractor,
+                });
+            }
+            round += 1;
         }
-        let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S::State>>| {
-            search.different(family, parameter, stretches)
-        };
-        // A motion on a branch is known, and so is an equilibrium that repels: near a change of its
-        // stability a sweep takes it for an attractor.
-        let is_known = |point: &SweepPoint<S::State>| match &point.attractor {
-            Ok(Attractor::PureSlip(orbit) | Attractor::StickSlip(orbit)) => branches
-                .iter()
-                .any(|branch| is_on(branch, point.parameter, orbit)),
-            Ok(Attractor::Rest | Attractor::SteadySliding) => family(point.parameter)
-                .is_ok_and(|system| Standing::of(&system.form()).is_some_and(|it| it.repels())),
-            Ok(Attractor::Irregular) | Err(_) => false,
-        };
-        Ok(VibrationRanges {
-            ranges: ranges(&stretches, &sweep, &systems, start..end, differ, is_known),
-            branches,
-            sweep,
-            stopped: stopped.get(),
-        })
+    }
+
+    /// Follows a motion, unless it lies on a known branch.
+    fn follow_new<S: Oscillator>(
+        &self,
+        family: &Systems<'_, S>,
+        (parameter, orbit): (f64, &Orbit<S::State>),
+        range: &Range<f64>,
+        branches: &mut Vec<Branch<S::State>>,
+    ) {
+        if !branches
+            .iter()
+            .any(|branch| is_on(branch, parameter, orbit))
+            && let Ok(branch) = self.follow(family, parameter, orbit, range.clone())
+            && !branches.iter().any(|known| is_same(known, &branch))
+        {
+            branches.push(branch);
+        }
     }
 
     /// Adds the parts of a branch on which its motions are attractors.
@@ -272,7 +318,12 @@ impl Search<'_> {
                 inside.iter().map(|p| (p.parameter, &p.orbit)).collect()
             };
             let attractor = match inside.get(inside.len() / 2) {
-                Some(point) => attracts(&point.orbit),
+                Some(point) => {
+                    let system = family(point.parameter);
+                    system
+                        .ok()
+                        .and_then(|system| attracts(&system, &point.orbit))
+                }
                 // Two bifurcations between neighbouring points.
                 None => self.between(family, &motions, 0.5 * (low.0 + high.0)),
             };
@@ -308,7 +359,7 @@ impl Search<'_> {
             let motion = self.shoot(&system, &end.state(), end.kind());
             motion.ok()
         });
-        attracts(&found.min_by(|a, b| off(a).total_cmp(&off(b)))?)
+        attracts(&system, &found.min_by(|a, b| off(a).total_cmp(&off(b)))?)
     }
 
     /// The attractors of some stretches whose motions differ at a value of the parameter: branches
@@ -325,13 +376,21 @@ impl Search<'_> {
             _ => family(parameter).ok(),
         };
         let motion = |stretch: &Stretch<'_, S::State>| {
-            system.as_ref()?;
+            let system = system.as_ref()?;
             let found = self.motion_at(family, stretch, parameter)?;
-            (attracts(&found) == Some(stretch.kind)).then_some(found)
+            (attracts(system, &found) == Some(stretch.kind)).then_some(found)
         };
         let mut motions: Vec<Orbit<S::State>> = Vec::new();
         let mut kinds = Vec::new();
         for stretch in stretches {
+            // Masses at rest are one attractor, whatever joints carry.
+            let rests = matches!(
+                stretch.kind,
+                AttractorKind::Rest | AttractorKind::SteadySliding
+            );
+            if rests && kinds.contains(&stretch.kind) {
+                continue;
+            }
             let found = motion(stretch);
             let is_known = |found: &Orbit<S::State>| {
                 let mut motions = motions.iter();
@@ -448,8 +507,9 @@ struct Stretch<'b, S: SystemState> {
     motions: Vec<(f64, &'b Orbit<S>)>,
 }
 
-fn attracts<S: SystemState>(orbit: &Orbit<S>) -> Option<AttractorKind> {
-    orbit.is_stable().then(|| kind_of(orbit))
+/// The kind of a motion of a system, if it attracts.
+fn attracts<S: Oscillator>(system: &S, orbit: &Orbit<S::State>) -> Option<AttractorKind> {
+    orbit.is_stable().then(|| kind_of(&system.form(), orbit))
 }
 
 /// The ranges in which steady sliding is stable.
@@ -479,7 +539,7 @@ fn steady_stretches<'b, S: SystemState>(
 /// The ranges between all borders, those with the same attractors as one.
 fn ranges<'b, S: SystemState>(
     stretches: &[Stretch<'b, S>],
-    sweep: &Sweep<S>,
+    points: &[&SweepPoint<S>],
     systems: &[Range<f64>],
     range: Range<f64>,
     different: impl Fn(f64, Vec<&Stretch<'b, S>>) -> Vec<AttractorKind>,
@@ -526,7 +586,7 @@ fn ranges<'b, S: SystemState>(
         let mut attractors = different(middle, there.collect());
         // Attractors of the sweep that nothing above explains. A point on a border says little
         // about the range beside it.
-        for point in sweep.up.iter().chain(&sweep.down) {
+        for point in points {
             let is_inside = start < point.parameter && point.parameter < end;
             let is_on_border = point.parameter == start || point.parameter == end;
             let is_new = |kind: &AttractorKind| !attractors.contains(kind);
