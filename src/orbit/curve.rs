@@ -292,8 +292,9 @@ impl Curve<'_> {
         // tangential arrival. If it is not, longer increments lose less to rounding.
         let growth = 0.5 * trial.map.growth();
         let nonlinearity = 1.0 + growth * growth;
-        if growth > MILD {
-            let step = PARTS[0] * self.width() / nonlinearity.cbrt();
+        let longer = [nonlinearity.cbrt(), nonlinearity.sqrt()];
+        for part in longer.iter().filter(|_| growth > MILD) {
+            let step = PARTS[0] * self.width() / part;
             let (low, high) = (miss(-step), miss(step));
             if let (Some((a, below, true)), Some((b, above, true))) = (low, high)
                 && (&below + &above - &here * 2.0).norm() <= STRAIGHT * (&above - &below).norm()

@@ -296,3 +296,39 @@ fn a_bowed_string_that_begins_in_stick_has_no_event_there() {
     assert_eq!(torus.kind, BifurcationKind::NeimarkSacker);
     assert!((torus.parameter - 2.770368755).abs() < 1e-8);
 }
+
+/// Under larger loads the slower string does not end at a tangential event: the first multiplier
+/// doubles with each quarter of a unit of the load, to 5·10⁴ at 11.5, as perturbations grow in the
+/// falling friction of the slow begin of a slip. Steps stay as long as at small multipliers.
+#[test]
+fn a_bowed_string_is_followed_to_large_multipliers() {
+    let family = |load: f64| string(load, 0.2);
+    let (start, period) = (State::at_rest(3), Period::Free(1.0 / 190.0));
+    let orbit = settle(&family(2.0).unwrap(), &start, 5.0, period).unwrap();
+    let branch = follow(family, 2.0, &orbit, 2.0..11.5).unwrap();
+    assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+    assert!(branch.points.len() < 200, "{}", branch.points.len());
+    let growth = |point: &BranchPoint<State>| point.orbit.multipliers()[0].norm();
+    let large = branch.points.iter().filter(|point| point.parameter > 10.0);
+    let large: Vec<_> = large
+        .map(|point| [point.parameter, growth(point).log2()])
+        .collect();
+    // Beside a tangential event the rate would grow without bound.
+    for pair in large.windows(2) {
+        let rate = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+        assert!((3.0..5.0).contains(&rate), "{rate} at {}", pair[0][0]);
+    }
+    let last = &branch.points[branch.points.len() - 1];
+    assert!((2e4..1e5).contains(&growth(last)), "{}", growth(last));
+    // A neighbouring start, simulated over one period, leaves the motion by about the multiplier.
+    let system = family(11.5).unwrap();
+    let state = last.orbit.state();
+    let again = |change: f64| {
+        let mut start = state.clone();
+        start.displacements[1] += change;
+        system.simulate(start, last.orbit.period()).unwrap().last()
+    };
+    let [here, beside] = [again(0.0), again(1e-14)].map(|end| end.displacements);
+    let away = here.iter().zip(&beside).map(|(a, b)| (a - b).abs());
+    assert!(away.fold(0.0, f64::max) > 1e-12);
+}
