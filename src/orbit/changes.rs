@@ -37,8 +37,8 @@ const MOST_HALVINGS: usize = 100;
 pub(super) const JUMP: f64 = 1e-4;
 
 /// An interval that could not be closed counts as closed below this width. Where slips to and fro
-/// began at a distance d before, a multiplier is 1 − O(d): below √ε rounding decides the position of
-/// the contact, and no motion is found.
+/// began at a distance d before, a multiplier is 1 − O(d): below √ε rounding decides the position
+/// of the contact, and no motion is found.
 const GAP: f64 = 1e-6;
 
 /// Values of a test function below this are rounding: they have no sign.

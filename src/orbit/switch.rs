@@ -57,13 +57,13 @@ impl<S: SystemState> Bifurcation<S> {
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
     /// ```
     ///
-    /// The amplitudes |ε| = 10⁻², 3·10⁻³, 3·10⁻², 10⁻³, 3·10⁻⁴ and 10⁻⁴, relative to the size of the
-    /// motion, are tried one after the other. The parameter differs from that of the bifurcation by
-    /// an amount of order ε². Other branches of such motions may lie as near. A motion is therefore
-    /// the result only if its branch leads to the bifurcation: at ε/2 and at ε/4 this difference
-    /// falls at least by half each time. Between the bifurcation and the motion the events of the
-    /// branch may change. [`criticality`](Self::criticality) returns the side on which the new
-    /// motions exist.
+    /// The amplitudes |ε| = 10⁻², 3·10⁻³, 3·10⁻², 10⁻³, 3·10⁻⁴ and 10⁻⁴, relative to the size of
+    /// the motion, are tried one after the other. The parameter differs from that of the
+    /// bifurcation by an amount of order ε². Other branches of such motions may lie as near. A
+    /// motion is therefore the result only if its branch leads to the bifurcation: at ε/2 and at
+    /// ε/4 this difference falls at least by half each time. Between the bifurcation and the motion
+    /// the events of the branch may change. [`criticality`](Self::criticality) returns the side on
+    /// which the new motions exist.
     ///
     /// At the bifurcation the new branch turns back. At a flip it then runs through the same
     /// motions again, begun half a period later; at a pitchfork, through their mirror images.

@@ -76,8 +76,8 @@ const SMALL: f64 = 1e-3;
 /// entered for the whole range around the value: for example chaos ([`AttractorKind::Irregular`]),
 /// steady sliding of a shaft that turns, or a motion whose branch cannot be followed.
 ///
-/// A range wider than 10⁻⁴ of the whole in which no attractor is known is tried once more, from rest
-/// at its middle. If no branch explains this motion, only its kind is entered.
+/// A range wider than 10⁻⁴ of the whole in which no attractor is known is tried once more, from
+/// rest at its middle. If no branch explains this motion, only its kind is entered.
 ///
 /// The work is a sweep over 17 values, upward and downward, and one [`follow`](super::follow()) for
 /// each branch: seconds for a few masses, tens of seconds for a dozen masses.
