@@ -1,8 +1,10 @@
 //! Curves of grazing motions, onsets of stops and orders of events in two parameters.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use serde_json::Value;
+
 use stick_slip::orbit::{
     self, Bifurcation, BifurcationKind, LocusEnd, LocusKind, Orbit, Period, Search, SpecialKind,
     follow, settle, shoot,
@@ -164,6 +166,63 @@ fn stops_begin_at_den_hartogs_limit() {
                 let apart = (meeting[0] - 0.47593).hypot(meeting[1] - 0.24828);
                 assert!(apart < 2e-3, "{meeting:?}");
             }
+        }
+    }
+}
+
+/// Without damping stops begin at the turning points above half of the natural frequency and
+/// between them below, and the curves of both end at one point. Between two turns, with the force
+/// cos(Ωt + φ) and friction F,
+///
+/// ```text
+/// v = F sin t − F tan(π/2Ω) cos t − Ω/(1 − Ω²) sin(Ωt + φ),    v(0) = 0:
+/// ```
+///
+/// v'(0) = 0 is the onset at the turns. At Ω = 1/2, v = sin(t/2) (2 F cos(t/2) − 2/3), which has
+/// the onset at F = 1/3, with v''(0) = 0: there the touch falls onto the turn. A multiplier is 1.
+#[test]
+fn stops_without_damping_begin_at_the_turns_above_half_of_the_frequency() {
+    let family = |frequency: f64, friction: f64| -> Result<Structure, Error> {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_force(0, Drive::harmonic(1.0, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?)
+    };
+    let known = |frequency: f64| {
+        let tangent = (0.5 * PI / frequency).tan();
+        frequency.powi(2) / (1.0 - frequency.powi(2)).abs() / 1.0_f64.hypot(frequency * tangent)
+    };
+    let seeds = [([0.7, 0.5], 0.55..0.75), ([0.45, 0.15], 0.38..0.49)];
+    for (at, range) in seeds {
+        let system = family(at[0], at[1]).unwrap();
+        let motion = settle(&system, &State::at_rest(1), 600.0, Period::Driven(1)).unwrap();
+        let branch = follow(|first| family(first, at[1]), at[0], &motion, range).unwrap();
+        let begin = &branch.bifurcations[0];
+        let locus = orbit::locus(family, begin, at[1], [0.3..0.9, 0.05..0.9]).unwrap();
+        let at_turns = locus.kind == LocusKind::StopOnset { contact: 0 };
+        assert_eq!(at_turns, at[0] == 0.7);
+        let ends = [0, locus.points.len() - 1].map(|i| locus.points[i].parameters);
+        let apart = |end: &[f64; 2]| (end[0] - 0.5).hypot(end[1] - 1.0 / 3.0);
+        let meets = usize::from(apart(&ends[0]) > apart(&ends[1]));
+        // Steps crawl within 1e-3 of the scales before the point.
+        assert!(apart(&ends[meets]) < 2e-3, "{ends:?} {:?}", locus.ends);
+        let end = &locus.ends[meets];
+        assert!(match end {
+            LocusEnd::Jump | LocusEnd::Lost { .. } => at_turns,
+            LocusEnd::Crawls { .. } => !at_turns,
+            _ => false,
+        });
+        let near = &locus.points[if meets == 0 {
+            0
+        } else {
+            locus.points.len() - 1
+        }];
+        assert!((near.orbit.multipliers()[0] - 1.0).norm() < 1e-3);
+        let points = locus.points.iter().filter(|_| at_turns);
+        for point in points.filter(|point| point.parameters[0] > 0.501) {
+            let [frequency, friction] = point.parameters;
+            let off = friction - known(frequency);
+            assert!(off.abs() < 1e-10, "{off:e} at {frequency}");
         }
     }
 }

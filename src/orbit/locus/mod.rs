@@ -90,8 +90,12 @@ use crate::search::Search;
 /// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
 /// ends with `Jump` at every change of the events. On a curve of grazings, the instant of grazing
 /// can approach another event of the same contact, such as a release. The steps then become ever
-/// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of folds
-/// that meets a curve of grazings ends there with `Jump`, and its last special point is
+/// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). Where the
+/// instant falls onto the turning point of a motion at the onset of stops, both curves end at one
+/// point: that of grazings with `Crawls`, that of onsets with `Jump`, or with
+/// [`LocusEnd::Lost`](super::LocusEnd::Lost) if a multiplier is 1 there, as without damping at half
+/// of the natural frequency (Den Hartog's oscillator). A curve of folds that meets a curve of
+/// grazings ends there with `Jump`, and its last special point is
 /// [`FoldGrazing`](super::SpecialKind::FoldGrazing). This holds if, on the side of the folds, the
 /// contact slips past the touch or sticks there for a time that shrinks to 0. If it sticks for a
 /// longer time at the touch, if its law has a memory, or if its static friction is larger than its
