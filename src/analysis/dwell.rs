@@ -175,10 +175,10 @@ impl DwellOscillator {
     }
 
     /// The cycle at the fold. The fold is the largest belt velocity with a cycle; there the stable
-    /// and the unstable cycle meet. The belt velocity is exact. The multiplier is 1 within about
-    /// 3·10⁻¹⁶ωv/a, where v is the belt velocity and a the acceleration of the mass at the end of
-    /// slip. If static friction has almost reached its limit at the release, a is smaller than
-    /// rounding errors, and the multiplier is undetermined.
+    /// and the unstable cycle meet. The belt velocity is exact. The multiplier is 1 within
+    /// 3·10⁻¹⁵(1 + ωv/a), where v is the belt velocity and a the acceleration of the mass at the
+    /// end of slip. If static friction has almost reached its limit at the release, a is smaller
+    /// than rounding errors, and the multiplier is undetermined.
     ///
     /// `None` without damping (there is no unstable cycle), if static friction does not rise, if c
     /// ≥ 2√(km), if the mass overtakes the belt (see [`stick_slip`](Self::stick_slip)), if a field

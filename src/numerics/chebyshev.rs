@@ -112,6 +112,9 @@ pub(crate) fn sign_throughout(
 
 /// Largest last coefficients of ln|f| where f has no zero: those of ln|t| are 2/k.
 const SMOOTH_LOGARITHM: f64 = 1e-2;
+/// The last coefficients begin here. Midway between two places a zero leaves no trace in the last
+/// three: coefficient k is 2 cos kθ (1/k − 1/(2·[`DEGREE`] − k)) there.
+const LAST_COEFFICIENTS: usize = DEGREE - 8;
 /// Pieces after which a sign counts as unknown.
 const MOST_HALVES: usize = 200;
 /// A value that is not larger than its noise by this factor has no certain logarithm.
@@ -146,7 +149,7 @@ fn keeps_sign(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {
         }
         *logarithm = value.abs().ln();
     }
-    sum(&coefficients(&logarithms, cosines)[DEGREE - 2..]) <= SMOOTH_LOGARITHM
+    sum(&coefficients(&logarithms, cosines)[LAST_COEFFICIENTS..]) <= SMOOTH_LOGARITHM
 }
 
 fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {

@@ -18,7 +18,7 @@
 //! | `coulomb::FreeVibration` | [`exact::free_vibration`] |
 //! | `dwell`: both cycles, multipliers, fold, Gao's criterion | [`exact::dwell_cycles`] |
 //! | `forced`: Den Hartog's motion without stops | [`exact::den_hartog`] |
-//! | `forced::no_stop_limit` | [`exact::no_stop_limits`] |
+//! | `forced::no_stop_limit` | [`exact::no_stop_limits`], [`exact::nearly_stopping`] |
 //!
 //! An error that is stated as O(xᵖ) is g(x)·xᵖ with a smooth g. Three values of g bound what the
 //! parabola through them can become on the way to x = 0, by a factor that follows from their

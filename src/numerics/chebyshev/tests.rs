@@ -84,6 +84,21 @@ fn close_pairs_are_split_and_flat_functions_have_no_root() {
     assert_eq!(roots(|x| (x - 1.1).powi(3)).len(), 1);
 }
 
+/// Of an even number of roots between two neighbouring places the values show nothing. The last
+/// coefficients of the logarithm are 0 where the roots lie midway.
+#[test]
+fn a_pair_is_found_between_any_two_places() {
+    for twice in 1..4 * DEGREE {
+        let angle = std::f64::consts::PI * twice as f64 / (4 * DEGREE) as f64;
+        let middle = 0.5 * (1.0 + angle.cos());
+        for gap in [1e-4, 1e-7] {
+            let f = |t: f64| ((t - middle).powi(2) - gap * gap) * (0.3 * t).exp();
+            let nodes = Watched::new(f).isolated(1e-16);
+            assert_eq!(brackets(&nodes).len(), 2, "{twice} {gap}");
+        }
+    }
+}
+
 #[test]
 fn undeclared_kinks_end() {
     let found = roots(|x| (x - 1.0 / 3.0).abs() - 0.125);

@@ -12,7 +12,7 @@ use stick_slip::{
 };
 
 use super::{Bounds, Verdict, check, decades, or_zero, sign, system};
-use crate::common::{dwelling, forced};
+use crate::common::{Random, count, dwelling, forced};
 
 const EPS: f64 = f64::EPSILON;
 
@@ -299,7 +299,16 @@ fn dwell_cycles() {
                 damping,
                 load,
             };
-            let fold = of.fold().map(|fold| fold.belt_velocity);
+            let fold = of.fold();
+            if let Some(fold) = fold {
+                let slow = arrival(&of, &fold);
+                // What remains of the force there, in units of its rounding.
+                let force = of.load * kinetic / (fold.belt_velocity * f64::sqrt(stiffness * mass));
+                if slow > 300.0 * EPS * (1.0 + force) {
+                    bounds.hold("fold", fold.multiplier - 1.0, 3e-15 * (1.0 + 1.0 / slow))?;
+                }
+            }
+            let fold = fold.map(|fold| fold.belt_velocity);
             let critical = of.critical_velocity().filter(|v| v.is_finite());
             let scale = load * kinetic * (jump + rise) / f64::sqrt(mass * stiffness);
             let end = fold.or(critical);
@@ -432,6 +441,32 @@ fn den_hartog_at_any_time() {
     }
 }
 
+fn undamped(angular_frequency: f64, friction: f64) -> ForcedOscillator {
+    ForcedOscillator {
+        damping: 0.0,
+        angular_frequency,
+        kinetic_friction: friction,
+        static_friction: friction,
+        force: 1.0,
+    }
+}
+
+/// Just above the limit the mass turns back in the middle of its way, for a moment.
+#[test]
+fn nearly_stopping() {
+    let mut random = Random::new(91);
+    for _ in 0..count(3000, 30_000) {
+        let omega = random.uniform(0.1, 3.0);
+        if (omega - 1.0).abs() < 1e-3 {
+            continue;
+        }
+        let limit = no_stop_limit(omega).unwrap();
+        let exists = |friction| undamped(omega, friction).without_stops().is_some();
+        let sides = [1.0 - 1e-9, 1.0 + 1e-9].map(|part| exists(part * limit));
+        assert_eq!(sides, [true, false], "{omega}");
+    }
+}
+
 /// With less friction than the limit the undamped mass settles to the motion without stops, with
 /// more to one that stops.
 #[test]
@@ -439,17 +474,8 @@ fn no_stop_limits() {
     check((0.4..3.0_f64, decades(0.01, 0.3)), |(omega, beside), _| {
         prop_assume!((omega - 1.0).abs() > 0.1);
         let limit = no_stop_limit(omega).unwrap();
-        let with = |friction: f64| ForcedOscillator {
-            damping: 0.0,
-            angular_frequency: omega,
-            kinetic_friction: friction,
-            static_friction: friction,
-            force: 1.0,
-        };
-        prop_assert!(with(limit * (1.0 - 1e-9)).without_stops().is_some());
-        prop_assert!(with(limit * (1.0 + 1e-9)).without_stops().is_none());
         // With more than p it would not move at all.
-        let rough = with(limit + beside * (1.0 - limit));
+        let rough = undamped(omega, limit + beside * (1.0 - limit));
         prop_assert!(rough.without_stops().is_none());
         let period = TAU / omega;
         let duration = 60.0 * period;

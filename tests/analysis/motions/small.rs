@@ -91,12 +91,15 @@ fn growth<L: FrictionLaw>(of: &MassOnBelt<L>, amplitude: f64) -> Option<f64> {
 }
 
 fn grows<L: FrictionLaw>(of: &MassOnBelt<L>, amplitude: f64, expected: bool) -> Verdict {
+    let rest = of.equilibrium();
     // Nodes do not turn.
-    prop_assume!(
-        of.equilibrium()
-            .is_some_and(|rest| rest.eigenvalues[0].im > 0.3)
-    );
+    let turning = rest.filter(|rest| rest.eigenvalues[0].im > 0.3);
+    prop_assume!(turning.is_some());
     let growth = growth(of, amplitude);
+    // Displacements are rounded in parts of ū.
+    let size = turning.map_or(0.0, |rest| rest.displacement.abs());
+    let noise = 16.0 * f64::EPSILON * (1.0 + size / amplitude);
+    prop_assume!(growth.is_none_or(|growth| growth.abs() > noise));
     prop_assert!(
         growth.is_some_and(|growth| (growth > 0.0) == expected),
         "{growth:?}"
