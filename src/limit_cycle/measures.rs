@@ -8,7 +8,8 @@ use num_complex::Complex;
 use super::cycle::LimitCycle;
 use crate::belt::Step;
 use crate::motion::EnergyBudget;
-use crate::numerics::gauss::{gauss_fours, gauss_legendre};
+use crate::numerics::fourier::Fourier;
+use crate::numerics::gauss::gauss_fours;
 use crate::numerics::power_of_two;
 use crate::series::PowerSeries;
 use crate::state::{State, Units};
@@ -17,8 +18,7 @@ impl LimitCycle {
     /// Complex amplitudes of the first n harmonics of the displacement u, dimensionless: (2/T)∮u
     /// e^(−ikωτ) dτ for k = 1, …, n. T is the period and ω = 2π/T. The time τ is 0 at
     /// [`state`](Self::state), the start of the period. The modulus is the amplitude of the
-    /// harmonic. The quadrature of harmonic k takes a time that grows like k, so the cost of all n
-    /// harmonics grows like n².
+    /// harmonic. The cost is in proportion to n.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -32,32 +32,13 @@ impl LimitCycle {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn harmonics(&self, n: usize) -> Vec<Complex<f64>> {
-        let omega = self.frequency();
-        let mean = self.mean_displacement();
-        let unit = self.unit_of_displacement();
-        (1..=n)
-            .map(|k| {
-                let k = k as f64;
-                let part = |weight: fn(f64) -> f64| {
-                    let over = |step: &Step| {
-                        // Pieces of at most one radian of the harmonic.
-                        let pieces = (k * omega * step.duration).ceil().max(1.0);
-                        let width = step.duration / pieces;
-                        (0..pieces as usize)
-                            .map(|i| {
-                                let from = i as f64 * width;
-                                gauss_legendre(from, from + width, |t| {
-                                    let phase = k * omega * (step.start.time + t);
-                                    (step.state_at(t).displacement - mean) / unit * weight(phase)
-                                })
-                            })
-                            .sum::<f64>()
-                    };
-                    self.steps.iter().map(over).sum::<f64>()
-                };
-                Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period()) * unit
-            })
-            .collect()
+        let (mean, unit) = (self.mean_displacement(), self.unit_of_displacement());
+        let mut fourier = Fourier::new(self.frequency(), n);
+        for step in &self.steps {
+            let displacement = |t: f64| (step.state_at(t).displacement - mean) / unit;
+            fourier.add(step.start.time, step.duration, &displacement);
+        }
+        fourier.amplitudes(unit)
     }
 
     /// Complex amplitudes of the first n harmonics of the velocity v, dimensionless: ikω times the

@@ -10,6 +10,7 @@
 // | `scan.rs` | the search of a range over a grid: how many intervals, and how often one is halved where a root may hide |
 // | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
 // | `gauss.rs` | Gauss-Legendre quadrature on one interval |
+// | `fourier.rs` | Fourier coefficients of a function that is known piece by piece |
 // | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
 // | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move; units in which a matrix is balanced |
 // | `exponential.rs` | the exponential of a matrix |
@@ -26,6 +27,7 @@ pub(crate) mod chebyshev;
 pub(crate) mod eigenvalues;
 #[cfg(feature = "orbits")]
 pub(crate) mod exponential;
+pub(crate) mod fourier;
 pub(crate) mod gauss;
 #[cfg(feature = "orbits")]
 pub(crate) mod least_norm;

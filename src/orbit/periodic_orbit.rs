@@ -19,7 +19,7 @@ use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::motion::{EnergyBudget, Event, EventKind, Segment, SystemState, Trajectory};
-use crate::numerics::gauss::gauss_legendre;
+use crate::numerics::fourier::Fourier;
 use crate::numerics::power_of_two;
 use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
@@ -467,9 +467,8 @@ impl<S: SystemState> Orbit<S> {
 impl<S: SystemState> Orbit<S> {
     /// Complex amplitudes of the first n harmonics of a coordinate's displacement: (2/T)∮q
     /// e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time t from the start of the period
-    /// ([`state`](Self::state)). The modulus is the amplitude of the harmonic. Each harmonic is
-    /// computed by a separate quadrature. The cost of the k-th is proportional to k, so that of n
-    /// harmonics grows as n². The list is empty if the coordinate does not exist.
+    /// ([`state`](Self::state)). The modulus is the amplitude of the harmonic. The cost is in
+    /// proportion to n. The list is empty if the coordinate does not exist.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {
@@ -477,36 +476,18 @@ impl<S: SystemState> Orbit<S> {
         let Some((mean, velocity)) = measured else {
             return Vec::new();
         };
-        let steps = self.trajectory().steps();
         let (least, most) = self.extremes(coordinate);
         let unit = power_of_two(most.max(-least).max(1.0));
-        let harmonic = |k: usize| {
-            let omega = k as f64 * self.frequency();
-            let part = |weight: fn(f64) -> f64| {
-                let over = |step: &S::Step| {
-                    let (start, h) = (step.start_time(), step.duration());
-                    // Pieces of at most one radian of the harmonic.
-                    let pieces = (omega * h).ceil().max(1.0);
-                    let width = h / pieces;
-                    (0..pieces as usize)
-                        .map(|i| {
-                            let from = i as f64 * width;
-                            gauss_legendre(from, from + width, |t| {
-                                let state = step.state_at(t).general();
-                                let displacement = state.displacements[coordinate];
-                                let time = start + t;
-                                (displacement - velocity * time - mean) / unit
-                                    * weight(omega * time)
-                            })
-                        })
-                        .sum::<f64>()
-                };
-                let moving = steps.iter().filter(|step| step.duration() > 0.0);
-                moving.map(over).sum::<f64>()
+        let mut fourier = Fourier::new(self.frequency(), n);
+        for step in self.trajectory().steps() {
+            let start = step.start_time();
+            let displacement = |t: f64| {
+                let displacement = step.state_at(t).general().displacements[coordinate];
+                (displacement - velocity * (start + t) - mean) / unit
             };
-            Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period()) * unit
-        };
-        (1..=n).map(harmonic).collect()
+            fourier.add(start, step.duration(), &displacement);
+        }
+        fourier.amplitudes(unit)
     }
 
     /// Complex amplitudes of the first n harmonics of a coordinate's velocity. The k-th amplitude

@@ -166,7 +166,7 @@ fn harmonics_to_high_orders() {
     assert!(slow.stick_duration() > 0.9 * slow.period());
     let usual = limit_cycle::stick_slip(&paper(0.2)).unwrap().unwrap();
     for cycle in [usual, slow] {
-        let harmonics = cycle.harmonics(60);
+        let harmonics = cycle.harmonics(2000);
         let trajectory = cycle.trajectory();
         let part = |j: u32| f64::from(j) / f64::from(POINTS);
         let displacement = |j: u32| {
@@ -174,7 +174,7 @@ fn harmonics_to_high_orders() {
             state.unwrap().displacement
         };
         let displacements: Vec<_> = (0..POINTS).map(displacement).collect();
-        for k in [1, 2, 3, 7, 20, 41, 60] {
+        for k in [1, 2, 3, 7, 20, 41, 60, 333, 2000] {
             let (mut re, mut im) = (0.0, 0.0);
             for (j, u) in (0..POINTS).zip(&displacements) {
                 // Whole turns taken out first: large angles are rounded.
