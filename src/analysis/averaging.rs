@@ -43,7 +43,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// Drift dA/dτ, with the time τ, of the amplitude A ≥ 0 of a vibration. Dimensionless.
 ///
 /// The page [`averaging`](self) has the formula, which holds for any law and any belt velocity v_b.
-/// The error is O(ε²), with ε of [`analysis`](super).
+/// The error is O(ε²), with ε of [`analysis`](super), but O(ε^{3/2}) at A = |v_b|.
 ///
 /// For Coulomb's law on a belt at rest, without damping, the drift is −2γ²μ_k/π, with the friction
 /// load γ² and the kinetic coefficient μ_k. The amplitude therefore falls by 4γ²μ_k in each cycle.
@@ -79,9 +79,10 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 /// Slope dA'/dA of the [`drift`] A' at the amplitude A ≥ 0, dimensionless: the growth rate of a
 /// perturbation of the amplitude.
 ///
-/// The error is O(ε²), with ε of [`analysis`](super). If the belt velocity v_b is not 0, and the
-/// kinetic coefficient μ̂(0) at the sliding speed 0 is positive, the slope tends to −∞ as A falls
-/// to |v_b|.
+/// The error is O(ε²), with ε of [`analysis`](super), at amplitudes at which the least and the
+/// largest velocity of the mass are neither the belt velocity v_b nor a velocity whose sliding
+/// speed is a breakpoint of the law. If v_b is not 0, and the kinetic coefficient μ̂(0) at the
+/// sliding speed 0 is positive, the slope tends to −∞ as A falls to |v_b|.
 ///
 /// # Errors
 ///

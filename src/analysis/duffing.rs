@@ -120,11 +120,14 @@ pub struct Response {
     /// Amplitude A of the first harmonic of x, in units of displacement.
     pub amplitude: f64,
     /// Estimate of the amplitude of the third harmonic, in units of displacement. Its order,
-    /// relative to A, is c3A²/k + F_k/(kA). The largest displacement differs from A by as much.
+    /// relative to A, is c3A²/k + F_k/(kA), unless the third harmonic is in resonance, mω² ≈ k/9.
+    /// The largest displacement differs from A by as much, if no other odd harmonic is in resonance
+    /// either.
     pub third_harmonic: f64,
     /// Estimate of the error of A, in units of displacement: the third harmonic's contribution to
-    /// the balance of forces, divided by dP/dA. Away from resonance its order, relative to A, is
-    /// (c3A²/k)² + (F_k/(kA))². It is larger near resonance, and infinite at a fold.
+    /// the balance of forces, divided by dP/dA. Away from resonance, that of the third harmonic
+    /// too, its order, relative to A, is (c3A²/k)² + (F_k/(kA))². It is larger near resonance, and
+    /// infinite at a fold.
     pub error: f64,
 }
 

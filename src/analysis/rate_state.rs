@@ -110,6 +110,10 @@ pub fn healing<const STATES: usize>(law: &RateState<STATES>, hold: f64) -> f64 {
 /// faster than in steady sliding with the same θ. `None` unless H > 0 and V > 0, if a falling load
 /// ends the acceleration, or for the slip law.
 ///
+/// This holds up to the critical stiffness N(b − a)/D_c. Above it steady sliding is stable, and no
+/// speed grows without bound: Vθ falls, and the speed has a maximum. The result is the time of this
+/// maximum, with a relative error O((D_c/(Vθ))^p), p = min(1, HD_c/(a − HD_c)).
+///
 /// ```
 /// use stick_slip::{RateState, analysis::rate_state::time_to_instability};
 ///
