@@ -188,7 +188,8 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 /// ```
 ///
 /// `None` if there is no stick-slip cycle: if v_b = 0, if μ_s = μ_k, if the damping ratio is at
-/// least 1, or if |v_b| is at least [`largest_stick_slip_velocity`]. The Floquet multiplier is 0.
+/// least 1, or if |v_b| is at least [`largest_stick_slip_velocity`]. `None` also if stick lasts
+/// longer than about 10¹⁵⁰. The Floquet multiplier is 0.
 ///
 /// Source: the exact solution of the equations of stick and slip, which are linear for this law.
 ///

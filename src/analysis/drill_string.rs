@@ -75,8 +75,12 @@ impl TwoInertias {
 
     /// The damping b_u ≈ J_u√(k/J_l) of the drive with which the
     /// [`critical_slope`](Self::critical_slope) is steepest. The term with d² in
-    /// [`is_stable`](Self::is_stable) is neglected.
+    /// [`is_stable`](Self::is_stable) is neglected. NaN unless J_u, J_l and k are positive.
     pub fn best_damper(&self) -> f64 {
+        let parameters = [self.upper, self.lower, self.stiffness];
+        if !parameters.iter().all(|&x| x > 0.0) {
+            return f64::NAN;
+        }
         self.upper * (self.stiffness / self.lower).sqrt()
     }
 

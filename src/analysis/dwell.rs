@@ -130,7 +130,8 @@ impl DwellOscillator {
     /// * the mass overtakes the belt: to stick at the end of slip, it would need a friction force
     ///   above N·μ_s(0), opposite to the force at the release. This happens only if static friction
     ///   rises far above N·μ_s(0);
-    /// * a field is out of its range, or a number of the cycle overflows.
+    /// * a field is out of its range, a number of the cycle overflows, or stick lasts longer than
+    ///   about 10¹⁵⁰/ω.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let least = match self.fold_arc(&of) {

@@ -26,7 +26,7 @@ use crate::friction::{Coulomb, Polynomial};
 ///
 /// v is the slow relative velocity, w ≥ 0 the velocity amplitude of the vibration, and μ_k the
 /// kinetic coefficient. The mean is μ_k(2/π) arcsin(v/w) for |v| < w, and μ_k sgn v for |v| ≥ w.
-/// This is the limit of a vibration of infinitely high frequency.
+/// This is the limit of a vibration of infinitely high frequency. NaN if v is NaN, and unless w ≥ 0.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -38,6 +38,9 @@ use crate::friction::{Coulomb, Polynomial};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
+    if velocity.is_nan() || amplitude.is_nan() || amplitude < 0.0 {
+        return f64::NAN;
+    }
     let kinetic = law.kinetic_coefficient();
     if velocity.abs() < amplitude {
         kinetic * FRAC_2_PI * (velocity / amplitude).asin()

@@ -25,7 +25,7 @@ use crate::friction::memory::{ContactLaw, Evolution, RateState, Slip};
 
 /// Friction coefficient after a velocity step: after steady sliding at the speed V₁ the contact
 /// slides at the speed V₂, and has covered the distance `slip` at this speed. Dimensionless; exact.
-/// NaN unless both speeds are positive.
+/// NaN unless both speeds are positive and finite.
 ///
 /// ```text
 /// aging   V₂θ/D_c = 1 + (V₂/V₁ − 1) e^{−δ/D_c}          slip   ln(V₂θ/D_c) = ln(V₂/V₁) e^{−δ/D_c}
@@ -52,6 +52,9 @@ pub fn velocity_step<const STATES: usize>(
     v2: f64,
     slip: f64,
 ) -> f64 {
+    if !are_speeds(&[v1, v2]) {
+        return f64::NAN;
+    }
     let after = Slip {
         speed: v2,
         direction: 1.0,
@@ -71,7 +74,7 @@ pub fn velocity_step<const STATES: usize>(
 
 /// Increase of the friction coefficient by a hold: after steady sliding at the reference speed V₀
 /// the surfaces rest for the time `hold` ≥ 0. It is the increase of the peak in sliding at V₀
-/// afterwards, with a stiff spring. Dimensionless; exact.
+/// afterwards, with a stiff spring. Dimensionless; exact. NaN unless `hold` ≥ 0.
 ///
 /// ```text
 /// aging   Σ b ln(1 + V₀t/D_c)          slip   0
@@ -90,6 +93,9 @@ pub fn velocity_step<const STATES: usize>(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn healing<const STATES: usize>(law: &RateState<STATES>, hold: f64) -> f64 {
+    if hold.is_nan() || hold < 0.0 {
+        return f64::NAN;
+    }
     let parts = law.states.iter().map(|state| match law.evolution {
         Evolution::Aging => state.b * (law.v0 * hold / state.d_c).ln_1p(),
         Evolution::Slip => 0.0,
@@ -159,7 +165,8 @@ pub fn time_to_instability(
 ///
 /// It is an estimate of the stress drop of a stick-slip cycle, because the speed at which sliding
 /// ends depends on inertia or damping. The slip in an earthquake is then Δτ/k without inertia, up
-/// to 2Δτ/k with it; over a cycle, the recurrence time is exactly the slip divided by V_p.
+/// to 2Δτ/k with it; over a cycle, the recurrence time is exactly the slip divided by V_p. NaN
+/// unless both speeds are positive and finite.
 ///
 /// ```
 /// use stick_slip::{RateState, analysis::rate_state::stress_drop};
@@ -175,6 +182,9 @@ pub fn stress_drop<const STATES: usize>(
     plate_speed: f64,
     coseismic_speed: f64,
 ) -> f64 {
+    if !are_speeds(&[plate_speed, coseismic_speed]) {
+        return f64::NAN;
+    }
     let b: f64 = law.states.iter().map(|state| state.b).sum();
     load * (b - law.a) * (coseismic_speed / plate_speed).ln()
 }
@@ -221,4 +231,8 @@ pub fn first_integral(law: &RateState, plate_speed: f64, v: f64, memory: f64) ->
         }
     };
     integral.is_finite().then_some(integral)
+}
+
+fn are_speeds(numbers: &[f64]) -> bool {
+    numbers.iter().all(|&v| v > 0.0 && v.is_finite())
 }

@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 ///
 /// F is the force at the position x, and U its potential. The points are (x_i, F_i); b_i, c_i and
 /// d_i are the coefficients of the polynomial above point i. The law goes through every point, and
-/// is monotone between two neighbouring points.
+/// is monotone between two neighbouring points, to rounding.
 ///
 /// * [`TabulatedForce::new`] joins the points by cubics, so that the stiffness is continuous. They
 ///   are those of [`Tabulated`](crate::Tabulated), with the same end formula at both ends.

@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 /// d_i are the coefficients of the polynomial above point i. The friction coefficients μ_i are
 /// dimensionless. Speeds are in the unit of velocity of the system ([`FrictionLaw`]). The law goes
 /// through every point. It is monotone between two neighbouring points, so its values there lie
-/// between the coefficients of these points.
+/// between the coefficients of these points, to rounding.
 ///
 /// * [`Tabulated::new`] joins the points by cubics, so that the slope is continuous. The slope d_i
 ///   at an inner point i is the weighted harmonic mean of the slopes of the two chords that meet

@@ -1006,6 +1006,14 @@ fn coulomb_at_the_ends_of_the_numbers() {
     assert!((ratio - 0.999_f64.sqrt()).abs() < 2e-15, "{ratio}");
 
     let law = Coulomb::new(0.4, 0.25).unwrap();
+    for (exponent, is_known) in [(100, true), (149, true), (153, false), (300, false)] {
+        let system = MassOnBelt::new(law, 10_f64.powi(-exponent)).unwrap();
+        let found = limit_cycle::stick_slip(&system).unwrap().unwrap();
+        let formula = coulomb::stick_slip(&system).map(|cycle| cycle.stick_duration);
+        assert_eq!(formula.is_some(), is_known, "{exponent}");
+        let stick = formula.unwrap_or(found.stick_duration());
+        assert!((stick / found.stick_duration() - 1.0).abs() < 1e-14);
+    }
     for exponent in [0, 8, 9, 20, 40, 100, 150] {
         let v_b = 10_f64.powi(exponent);
         let system = MassOnBelt::new(law, v_b).unwrap();

@@ -14,7 +14,10 @@ use stick_slip::analysis::jenkins::{
     SymmetricResponse, backbone, first_harmonic, loop_area, masing,
 };
 use stick_slip::analysis::mode_coupling::ModeCoupling;
-use stick_slip::{Coulomb, Drive, Dwell, Polynomial, TimeFunction};
+use stick_slip::analysis::rate_state::{
+    first_integral, healing, stress_drop, time_to_instability, velocity_step,
+};
+use stick_slip::{Coulomb, Drive, Dwell, Polynomial, RateState, TimeFunction};
 
 use crate::common::{Random, count, on_belt};
 
@@ -155,6 +158,9 @@ fn strings_modes_and_forced_vibration() {
         sound(&given[..4], found.map(|x| [x]));
         assert!(found.is_none_or(|x| x <= 0.0), "{given:?}: {found:?}");
         assert!(!(is_nan && string.is_stable(slope)), "{given:?}");
+        let are_positive = given[..3].iter().all(|&x| x > 0.0);
+        let best = string.best_damper();
+        assert!(are_positive || best.is_nan(), "{given:?}: {best}");
     }
     for (given, _) in draws(9) {
         let [m1, m2, k11, k12, k21, k22, k3, c1, c2] = given;
@@ -219,13 +225,15 @@ fn stick_slip_with_dwell_and_of_coulomb() {
             sound(fields, Some([speed]));
         }
     }
-    for (given, is_nan) in draws(12) {
+    for (given, _) in draws(12) {
         let [damping, velocity, amplitude] = given;
         let found = tangential_slip(damping).map(|slip| [slip.duration, slip.velocity_factor]);
         sound(&given[..1], found);
         assert_eq!(found.is_some(), damping > 0.0 && damping < 1.0, "{damping}");
-        if !is_nan {
-            let mean = mean_coefficient(&law, velocity, amplitude);
+        let mean = mean_coefficient(&law, velocity, amplitude);
+        let is_allowed = !velocity.is_nan() && amplitude >= 0.0;
+        assert_eq!(mean.is_nan(), !is_allowed, "{given:?}: {mean}");
+        if is_allowed {
             assert!(
                 mean.abs() <= 0.4 * (1.0 + f64::EPSILON),
                 "{given:?}: {mean}"
@@ -251,6 +259,31 @@ fn stick_slip_with_dwell_and_of_coulomb() {
     // A quarter of the swing is below half the velocity amplitude: arcsin ½ is a third of π/2.
     let third = mean_coefficient(&law, 0.1, 0.2);
     assert!((third - 0.4 * FRAC_2_PI * 0.5_f64.asin()).abs() < 1e-16);
+}
+
+#[test]
+fn rate_and_state_friction() {
+    let aging = RateState::aging(0.6, 0.01, 0.015, 1e-5, 1e-6).unwrap();
+    let slip = RateState::slip(0.6, 0.01, 0.015, 1e-5, 1e-6).unwrap();
+    for (given, _) in draws(14) {
+        let [v1, v2, distance, load, stiffness, rate] = given;
+        let are_speeds = [v1, v2].iter().all(|&v| v > 0.0 && v.is_finite());
+        for law in [&aging, &slip] {
+            let step = velocity_step(law, v1, v2, distance);
+            assert!(are_speeds || step.is_nan(), "{given:?}: {step}");
+            let drop = stress_drop(law, load, v1, v2);
+            assert!(are_speeds || drop.is_nan(), "{given:?}: {drop}");
+            let healed = healing(law, distance);
+            let is_allowed = distance >= 0.0;
+            assert_eq!(healed.is_nan(), !is_allowed, "{given:?}: {healed}");
+            let time = time_to_instability(law, load, stiffness, v1, rate);
+            let of = [v1, load, stiffness, rate];
+            sound(&of, time.map(|t| [t]));
+            assert!(time.is_none_or(|t| t >= 0.0), "{given:?}: {time:?}");
+            let first = first_integral(law, v1, v2, distance);
+            sound(&given[..3], first.map(|h| [h]));
+        }
+    }
 }
 
 /// A function of time that oscillates at any rate.

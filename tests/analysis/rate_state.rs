@@ -90,6 +90,25 @@ fn velocity_steps_follow_the_rates_of_the_law() {
     assert!(velocity_step(&law, -1e-6, 1e-6, 1e-6).is_nan());
 }
 
+/// Beside the logarithm arsinh adds a e^{−2μ/a}, to first order.
+#[test]
+fn steady_friction_is_logarithmic_to_the_stated_error() {
+    let mut random = Random::new(3);
+    for _ in 0..100 {
+        let (a, ratio) = (random.logarithmic(1e-3, 1.0), random.uniform(2.0, 9.0));
+        let b = a * random.uniform(0.1, 2.0);
+        let law = RateState::aging(ratio * a, a, b, 1e-5, 1e-6).unwrap();
+        let speed = 1e-6 * random.uniform(0.8, 1.2);
+        let logarithmic = ratio * a + (a - b) * (speed / 1e-6).ln();
+        let stated = a * (-2.0 * logarithmic / a).exp();
+        let error = law.steady(speed) - logarithmic;
+        assert!(
+            (0.9 * stated - 1e-15..=stated + 1e-15).contains(&error),
+            "{law:?}: {error:e} {stated:e}"
+        );
+    }
+}
+
 #[test]
 fn steps_of_the_slip_law_are_symmetric() {
     let [aging, slip] = LAWS.map(|law| law(0.6, 0.01, 0.015, 1e-5, 1e-6).unwrap());

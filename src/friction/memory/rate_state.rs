@@ -215,7 +215,7 @@ impl<const STATES: usize> RateState<STATES> {
     }
 
     /// Coefficient of steady sliding at a speed V > 0: f₀ + (a − Σ b) ln(V/V₀), dimensionless.
-    /// Exact to (a/4) exp(−2μ/a), below rounding unless μ/a < 18: there it is that of the law with
+    /// Exact to a exp(−2μ/a), below rounding unless μ/a < 18: there it is that of the law with
     /// arsinh.
     pub fn steady(&self, v: f64) -> f64 {
         let slip = Slip {
