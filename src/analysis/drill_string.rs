@@ -52,10 +52,12 @@ impl TwoInertias {
     ///
     /// The eigenvalue 0, a rotation of the whole string by a constant angle, is not counted.
     pub fn is_stable(&self, slope: f64) -> bool {
-        let [a, b, c] = self.quadratic();
-        (a * slope + b) * slope + c > 0.0
-            && self.damping + slope > 0.0
-            && self.upper * slope + self.lower * self.damping > 0.0
+        let [unit, ratio, damping] = self.in_units();
+        let slope = slope / unit;
+        let middle = 1.0 + damping * (ratio * damping + slope);
+        middle * slope + ratio * ratio * damping > 0.0
+            && damping + slope > 0.0
+            && slope + ratio * damping > 0.0
     }
 
     /// Critical slope d < 0 of the friction torque, in the unit of b_u: steady rotation is stable
@@ -65,11 +67,11 @@ impl TwoInertias {
         if !parameters.iter().all(|&x| x > 0.0) {
             return None;
         }
-        let [a, b, c] = self.quadratic();
+        let [unit, ratio, damping] = self.in_units();
         // The root closest to 0; NaN if there is none.
-        let root = -2.0 * c / (b + (b * b - 4.0 * a * c).sqrt());
-        let others = [-self.damping, -self.lower * self.damping / self.upper];
-        let critical = others.into_iter().fold(root, f64::max);
+        let part = 2.0 * ratio * damping / (1.0 + ratio * damping * damping);
+        let root = -ratio * part / (1.0 + ((1.0 - part) * (1.0 + part)).sqrt());
+        let critical = unit * root.max(-damping).max(-ratio * damping);
         critical.is_finite().then_some(critical)
     }
 
@@ -84,17 +86,9 @@ impl TwoInertias {
         self.upper * (self.stiffness / self.lower).sqrt()
     }
 
-    fn quadratic(&self) -> [f64; 3] {
-        let &Self {
-            upper,
-            lower,
-            stiffness,
-            damping,
-        } = self;
-        [
-            upper * damping,
-            upper * upper * stiffness + lower * damping * damping,
-            lower * lower * damping * stiffness,
-        ]
+    /// √(J_u k) as a unit of slopes, in which no product overflows; J_l/J_u; and b_u in this unit.
+    fn in_units(&self) -> [f64; 3] {
+        let unit = self.upper.sqrt() * self.stiffness.sqrt();
+        [unit, self.lower / self.upper, self.damping / unit]
     }
 }

@@ -26,7 +26,8 @@ use crate::friction::{Coulomb, Polynomial};
 ///
 /// v is the slow relative velocity, w ≥ 0 the velocity amplitude of the vibration, and μ_k the
 /// kinetic coefficient. The mean is μ_k(2/π) arcsin(v/w) for |v| < w, and μ_k sgn v for |v| ≥ w.
-/// This is the limit of a vibration of infinitely high frequency. NaN if v is NaN, and unless w ≥ 0.
+/// This is the limit of a vibration of infinitely high frequency. NaN if v is NaN, and unless
+/// w ≥ 0.
 ///
 /// ```
 /// use stick_slip::Coulomb;

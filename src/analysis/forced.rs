@@ -126,8 +126,8 @@ impl ForcedOscillator {
 
         let (stiff, damped) = ((1.0 - omega) * (1.0 + omega), 2.0 * zeta * omega);
         let response = force / stiff.hypot(damped);
-        let square = (response - forced_sine) * (response + forced_sine);
-        let forced_cosine = square.sqrt(); // NaN where it is not real
+        // NaN where it is not real. No product over- or underflows.
+        let forced_cosine = (response - forced_sine).sqrt() * (response + forced_sine).sqrt();
         let amplitude = free_cosine + friction + forced_cosine;
         // p cos θ and p sin θ, from the response that they cause.
         let in_phase = stiff * forced_cosine - damped * forced_sine;

@@ -1,6 +1,8 @@
 //! Flutter by mode coupling: friction makes the stiffness matrix unsymmetric, and two modes merge
 //! into one.
 
+use crate::numerics::power_of_two;
+
 /// Two coupled coordinates: the first slides under a normal load that depends on the second.
 ///
 /// ```text
@@ -81,11 +83,18 @@ impl ModeCoupling {
         let [k11, k12, k3] = [k11, k12, self.normal_stiffness].map(|k| k / m1);
         let [k21, k22] = [k21, k22].map(|k| k / m2);
         let [c1, c2] = [self.damping[0] / m1, self.damping[1] / m2];
-        let in_range = [m1, m2, k11, k22, k21 * k3].iter().all(|&x| x > 0.0)
+        let merges = (k21 > 0.0 && k3 > 0.0) || (k21 < 0.0 && k3 < 0.0);
+        let in_range = merges
+            && [m1, m2, k11, k22].iter().all(|&x| x > 0.0)
             && [c1, c2].iter().all(|&c| c >= 0.0);
         if !in_range {
             return None;
         }
+        // In a unit of frequencies in which no product overflows; a power of two, which causes no
+        // rounding.
+        let unit = power_of_two(k11.max(k22).sqrt());
+        let [k11, k12, k21, k22, k3] = [k11, k12, k21, k22, k3].map(|k| k / unit / unit);
+        let [c1, c2] = [c1 / unit, c2 / unit];
         let a3 = c1 + c2;
         let (coefficient, square) = if a3 == 0.0 {
             let apart = k11 - k22;
@@ -102,7 +111,7 @@ impl ModeCoupling {
         let valid = coefficient >= 0.0 && coefficient.is_finite();
         valid.then(|| Flutter {
             coefficient,
-            angular_frequency: square.sqrt(),
+            angular_frequency: unit * square.sqrt(),
         })
     }
 }

@@ -52,6 +52,15 @@ fn exact_sin_cos(frequency: f64, times: &[f64]) -> (f64, f64) {
 }
 
 #[test]
+fn a_sine_is_zero_at_time_0_to_the_bit() {
+    for (amplitude, frequency) in [(0.3, 0.7), (-1e200, 1e-200), (5e-324, 1e100), (1e-3, 3e18)] {
+        let sine = Drive::sine(amplitude, frequency).unwrap();
+        assert_eq!(sine.value(0.0), 0.0);
+        assert_eq!(sine.slope(0.0), amplitude * frequency);
+    }
+}
+
+#[test]
 fn phases_are_exact_after_a_billion_periods() {
     for frequency in [0.55, 1.0, 2.0_f64.sqrt(), 7.3e-3, 3.7e4] {
         let drive = Drive::harmonic(0.7, frequency, 0.0)

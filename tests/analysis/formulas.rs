@@ -525,6 +525,16 @@ fn damping_that_keeps_it_quiet() {
     assert_eq!(coulomb::quiet_velocity(&coulomb), f64::INFINITY);
     let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2).unwrap();
     let everywhere = exponential::silencing_damping_everywhere(&exponential);
+    // At exactly these dampings nothing vibrates either.
+    for v_b in [1e-6, 0.1, 0.5 * 0.5_f64.sqrt(), 0.5, 10.0] {
+        let falling = paper(v_b);
+        let damping = polynomial::silencing_damping_everywhere(&falling);
+        let quiet = limit_cycle::find(&falling.with_damping(damping).unwrap()).unwrap();
+        assert!(quiet.is_empty() && quiet.unresolved().is_empty(), "{v_b}");
+        let falling = exponential.with_belt_velocity(v_b).unwrap();
+        let quiet = limit_cycle::find(&falling.with_damping(everywhere).unwrap()).unwrap();
+        assert!(quiet.is_empty() && quiet.unresolved().is_empty(), "{v_b}");
+    }
     assert!(
         (design::stabilizing_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs()
             < 1e-16

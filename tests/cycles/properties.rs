@@ -289,3 +289,24 @@ fn stick_slip_and_find_agree_and_mirror_images_are_exact() {
         }
     }
 }
+
+/// What vibrates with some damping vibrates with less of it, too: the field of velocities turns
+/// outwards at every state.
+#[test]
+fn vibration_lasts_with_every_smaller_damping() {
+    let mut vibrating = 0;
+    for (about, system) in systems(5, count(6, 60)) {
+        let moves = |damping: f64| {
+            let cycles = find(&about, &system.clone().with_damping(damping).unwrap());
+            !cycles.is_empty() || cycles.continuum().is_some() || !cycles.unresolved().is_empty()
+        };
+        let damping = system.damping();
+        if moves(damping) {
+            vibrating += 1;
+            for part in [1.0 - 1e-6, 0.9, 0.5, 0.1, 1e-3, 0.0] {
+                assert!(moves(part * damping), "{about}: {part}");
+            }
+        }
+    }
+    assert!(vibrating > 20, "{vibrating}");
+}

@@ -268,6 +268,47 @@ fn drill_strings_lose_stability_at_the_critical_slope() {
     );
 }
 
+/// In units of any size, powers of two, the numbers are the same to the bit.
+#[test]
+fn formulas_do_not_depend_on_units() {
+    let string = |unit: f64| TwoInertias {
+        upper: 2000.0 * unit,
+        lower: 400.0 * unit,
+        stiffness: 500.0 * unit,
+        damping: 300.0 * unit,
+    };
+    let critical = string(1.0).critical_slope().unwrap();
+    let vibration = |unit: f64| {
+        let oscillator = ForcedOscillator {
+            damping: 0.05,
+            angular_frequency: 0.8,
+            kinetic_friction: 0.3 * unit,
+            static_friction: 0.3 * unit,
+            force: unit,
+        };
+        oscillator.without_stops().unwrap().amplitude()
+    };
+    for exponent in [-480, -240, -80, 80, 240, 480] {
+        let rate = 2_f64.powi(exponent);
+        let found = string(rate).critical_slope().unwrap();
+        assert_eq!(found, rate * critical, "{exponent}");
+        assert_eq!(vibration(rate * rate), rate * rate * vibration(1.0));
+        assert!(string(rate).is_stable(0.999 * found) && !string(rate).is_stable(1.001 * found));
+        for damping in [[0.0, 0.0], [0.1, 0.05]] {
+            let own = ModeCoupling { damping, ..HAMBURG };
+            let model = ModeCoupling {
+                stiffness: own.stiffness.map(|row| row.map(|k| k * rate * rate)),
+                normal_stiffness: own.normal_stiffness * rate * rate,
+                damping: damping.map(|c| c * rate),
+                ..own
+            };
+            let (own, found) = (own.flutter().unwrap(), model.flutter().unwrap());
+            assert_eq!(found.coefficient, own.coefficient, "{exponent}");
+            assert_eq!(found.angular_frequency, rate * own.angular_frequency);
+        }
+    }
+}
+
 #[test]
 fn the_best_damper_allows_the_steepest_friction_nearly() {
     let string = |damping| TwoInertias {
