@@ -1,5 +1,5 @@
-//! Measures of a periodic motion: extremes as roots of its power series, means and harmonics as
-//! integrals over them.
+//! Measures of a periodic motion: extremes as roots of its power series, means as integrals over
+//! them.
 
 use std::ops::ControlFlow;
 
