@@ -113,13 +113,17 @@ impl ForcedOscillator {
         if !in_range {
             return None;
         }
-        // Written with E = e^{−a} in place of sinh and cosh, which overflow for small Ω.
+        // Written with E = e^{−a} in place of sinh and cosh, which overflow for small Ω, and with
+        // half of b, because 1 + E cos b nearly vanishes where b is an odd multiple of π.
         let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
         let decay = (-PI * zeta / omega).exp();
-        let (sine, cosine) = (PI * root / omega).sin_cos();
-        let turned = 1.0 + decay * cosine;
+        let lost = -(-PI * zeta / omega).exp_m1();
+        let (half_sine, half_cosine) = (FRAC_PI_2 * root / omega).sin_cos();
+        let sine = 2.0 * half_sine * half_cosine;
+        let rest = 2.0 * decay * half_cosine * half_cosine;
+        let turned = lost + rest;
         let skew = decay * sine * zeta / root;
-        let size = 1.0 + (2.0 * cosine + decay) * decay;
+        let size = lost * lost + 2.0 * rest;
         let free_cosine = -2.0 * friction * (turned - skew) / size;
         let forced_sine = -2.0 * friction * decay * sine / (root * size) / omega;
         let free_sine = (omega * forced_sine + zeta * free_cosine) / root;
