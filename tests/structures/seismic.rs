@@ -633,8 +633,8 @@ fn slip_turns_back_however_large_the_memory() {
     }
 }
 
-/// Pads that share the load of a block move as one: their directions depend on each other, and their
-/// speeds settle together.
+/// Pads that share the load of a block move as one: their directions depend on each other, and
+/// their speeds settle together.
 #[test]
 fn pads_that_share_a_load_move_as_one() {
     let mut random = Random::new(59);

@@ -11,12 +11,12 @@
 //!
 //! the implicit Euler method, with the compliances G and the damping C between the directions of
 //! the contacts. As N μ rises with r, there is one solution, and each contact comes nearer to its
-//! balance r' = 0 without passing it. One that comes close in h/2, where e^{−Dh/2} is rounding, has
-//! settled, and gets the balance itself.
+//! balance r' = 0 without passing it. One that comes close to it in h/2, where e^{−Dh/2} is
+//! rounding, has settled, and gets the balance itself.
 //!
-//! Friction follows the logarithm of r, over hundreds of decades. Far from the solution one velocity
-//! after the other is set to that at which its own forces balance; near to it Newton's method
-//! corrects all of them.
+//! Friction follows the logarithm of r, over hundreds of decades. Far from the solution one
+//! velocity after the other is set to that at which its own forces balance; near to it Newton's
+//! method corrects all of them.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -133,7 +133,12 @@ fn agree(model: &Model<'_>, situation: &mut Situation, series: &Series) {
         let Some(dependent) = Dependent::on(model, &holding, c) else {
             continue;
         };
-        let relative = |c: usize| series.contacts[c].side * situation.contacts[c].speed();
+        let relative = |c: usize| match situation.contacts[c].phase {
+            Phase::Slip {
+                direction, speed, ..
+            } => direction.sign() * speed,
+            Phase::Open | Phase::Stick { .. } => 0.0,
+        };
         let sum = dependent.relative(relative, |c| series.contacts[c].surface[0]);
         if let Phase::Slip {
             direction, speed, ..
