@@ -680,6 +680,50 @@ fn pads_that_share_a_load_move_as_one() {
     }
 }
 
+/// Two masses that creep on plates, with a creeping contact between them, move the same in either
+/// order: the speeds of contacts that share masses settle together.
+#[test]
+fn masses_that_share_a_contact_move_the_same_in_either_order() {
+    let mut random = Random::new(60);
+    for _ in 0..count(2, 20) {
+        let law = RateState::aging(0.62, 0.01, 0.014, 15e-6, 1e-6).unwrap();
+        let plate = 10_f64.powf(random.uniform(-9.0, -5.0));
+        let masses = [(); 2].map(|()| 10_f64.powf(random.uniform(-1.0, 1.0)));
+        let stiffness = [(); 2].map(|()| 10_f64.powf(random.uniform(6.0, 7.0)));
+        let places = [0, 1].map(|i| random.uniform(-0.9, 0.9) * 6.2e3 / stiffness[i]);
+        let speeds = [(); 2].map(|()| 10_f64.powf(random.uniform(-12.0, -2.0)));
+        let phi = [(); 3].map(|()| random.uniform(0.0, 20.0));
+        let what = format!("{masses:?} {stiffness:?} {places:?} {speeds:?} {phi:?} {plate}");
+        let seen = |order: [usize; 2]| {
+            let mut system = Structure::new(&order.map(|i| masses[i])).unwrap();
+            for (place, i) in order.into_iter().enumerate() {
+                let own = Contact::new(place, law, 1e4).unwrap().on_belt(plate);
+                system = system
+                    .with_ground_spring(place, stiffness[i])
+                    .and_then(|system| system.with_contact(own))
+                    .unwrap();
+            }
+            let between = Contact::between(order[0], order[1], law, 1e4).unwrap();
+            let system = system.with_contact(between).unwrap();
+            let start = State::new(&order.map(|i| places[i]), &order.map(|i| speeds[i]));
+            let memory = [phi[order[0]], phi[order[1]], phi[2]];
+            let motion = system.simulate(start.with_memory(&memory), 0.01);
+            motion
+                .unwrap_or_else(|error| panic!("{what}: {error}"))
+                .last()
+        };
+        let [found, turned] = [[0, 1], [1, 0]].map(seen);
+        for i in 0..2 {
+            let off = (found.displacements[i] - turned.displacements[1 - i]).abs();
+            assert!(off < 1e-13, "{what}: {off:e}");
+            let off = (found.memory[i] - turned.memory[1 - i]).abs();
+            assert!(off < 1e-8, "{what}: {off:e}");
+        }
+        let off = (found.memory[2] - turned.memory[2]).abs();
+        assert!(off < 1e-8, "{what}: {off:e}");
+    }
+}
+
 /// A spring that is stronger than friction: from any speed below 1e-12 m/s the motion is that from
 /// there, to the time in which that speed is reached.
 #[test]

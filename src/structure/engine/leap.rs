@@ -43,8 +43,9 @@ const PART: f64 = 1.0 / (1 << 26) as f64;
 /// The speed from which Newton's method starts at rest.
 const LEAST: f64 = 1e-290;
 
-/// Newton's corrections at most.
-const MOST: usize = 200;
+/// Corrections at most, and choices of independent directions: those of steep friction.
+const MOST: usize = 80;
+const CHOICES: usize = 3;
 
 /// Relative correction after which the next one is less than rounding.
 const SMALL: f64 = 1e-8;
@@ -65,10 +66,22 @@ pub(super) fn leap(
     series: &mut Series,
     plan: &Plan,
 ) -> bool {
-    let Some(leap) = Leap::new(model, situation, series) else {
+    let slopes = series.contacts.iter().map(|of| of.slope.abs());
+    let Some(mut leap) = Leap::new(model, situation, series, &slopes.collect::<Vec<f64>>()) else {
         return false;
     };
-    let Some(ends) = leap.ends(plan) else {
+    let mut found = leap.ends(plan);
+    for _ in 1..CHOICES {
+        let Err(Some(last)) = &found else {
+            break;
+        };
+        let Some(other) = Leap::new(model, situation, series, &leap.slopes(last)) else {
+            return false;
+        };
+        leap = other;
+        found = leap.ends(plan);
+    }
+    let Ok(ends) = found else {
         return false;
     };
     let Leap {
@@ -134,7 +147,13 @@ struct Leap<'a, 's> {
 }
 
 impl<'a, 's> Leap<'a, 's> {
-    fn new(model: &'a Model<'s>, situation: &'a Situation, series: &'a Series) -> Option<Self> {
+    /// The contacts in slip; the steepest are independent.
+    fn new(
+        model: &'a Model<'s>,
+        situation: &'a Situation,
+        series: &'a Series,
+        slopes: &[f64],
+    ) -> Option<Self> {
         let slips = |c: usize| {
             let is_rigid = !model.contacts[c].is_elastic();
             is_rigid && matches!(situation.contacts[c].phase, Phase::Slip { .. })
@@ -144,8 +163,7 @@ impl<'a, 's> Leap<'a, 's> {
             return None;
         }
         let held = &situation.holding;
-        // The steepest are independent.
-        let number = |c: usize| slips(c).then(|| -series.contacts[c].slope.abs());
+        let number = |c: usize| slips(c).then(|| -slopes[c]);
         let directions = Directions::new(model, held, &number);
         let damping = directions.matrix(model, held, &|_| 0.0)?;
         let is_independent = |c: usize| directions.contacts.contains(&c);
@@ -218,6 +236,16 @@ impl<'a, 's> Leap<'a, 's> {
         (more - less) / (2.0 * PART * relative)
     }
 
+    /// The derivatives of friction of all contacts at these velocities, 0 where there is no slip.
+    fn slopes(&self, velocities: &[f64]) -> Vec<f64> {
+        let mut slopes = vec![0.0; self.model.contacts.len()];
+        for slip in &self.slips {
+            let slope = self.slope(slip.contact, slip.relative(velocities));
+            slopes[slip.contact] = slope.abs();
+        }
+        slopes
+    }
+
     /// The friction of all contacts at these velocities, along the directions.
     fn frictions(&self, velocities: &[f64]) -> DVector<f64> {
         let mut sum = DVector::zeros(self.start.len());
@@ -239,7 +267,15 @@ impl<'a, 's> Leap<'a, 's> {
     }
 
     /// The solution of `inertia` (r − r_0) = r'(r), from these velocities.
-    fn solution(&self, inertia: &[f64], mut velocities: Velocities) -> Option<Velocities> {
+    ///
+    /// # Errors
+    ///
+    /// The last velocities, if there are any.
+    fn solution(
+        &self,
+        inertia: &[f64],
+        mut velocities: Velocities,
+    ) -> Result<Velocities, Option<Vec<f64>>> {
         // Divided by G, the equations are those of the least of a convex function.
         let divided = self.compliance.clone().lu();
         let mut resistance = self.damping.clone();
@@ -248,7 +284,7 @@ impl<'a, 's> Leap<'a, 's> {
         }
         let mut forces = self.rates.clone();
         if !(divided.solve_mut(&mut resistance) && divided.solve_mut(&mut forces)) {
-            return None;
+            return Err(None);
         }
         let balance = Balance {
             forces: forces + self.frictions(&self.start),
@@ -256,7 +292,9 @@ impl<'a, 's> Leap<'a, 's> {
             resistance,
         };
         for _ in 0..MOST {
-            let corrections = balance.corrections(&velocities)?;
+            let Some(corrections) = balance.corrections(&velocities) else {
+                break;
+            };
             let parts = std::iter::zip(&corrections, &velocities.relative);
             let largest = parts.fold(0.0, |most: f64, (change, r)| most.max((change / r).abs()));
             let mut corrected = velocities.clone();
@@ -264,21 +302,25 @@ impl<'a, 's> Leap<'a, 's> {
                 corrected.add(k, *change);
             }
             if largest < SMALL {
-                return Some(corrected);
+                return Ok(corrected);
             }
             if largest < NEAR || balance.left(&corrected) < NEAR * balance.left(&velocities) {
                 velocities = corrected;
             } else {
                 for k in 0..inertia.len() {
-                    balance.solve_one(k, &mut velocities)?;
+                    balance.solve_one(k, &mut velocities).ok_or(None)?;
                 }
             }
         }
-        None
+        Err(Some(velocities.relative))
     }
 
     /// The velocities along the directions after the resolution of time.
-    fn ends(&self, plan: &Plan) -> Option<Velocities> {
+    ///
+    /// # Errors
+    ///
+    /// The velocities at which the search for them ended, if it did.
+    fn ends(&self, plan: &Plan) -> Result<Velocities, Option<Vec<f64>>> {
         let clock = self.situation.clock.time.abs();
         let lasts = self.memory_lasts(&self.start);
         let resolution = (f64::EPSILON * clock.max(plan.unit)).min(lasts);
@@ -308,7 +350,7 @@ impl<'a, 's> Leap<'a, 's> {
                 let mut all = std::iter::zip(&balance.relative, &ends.relative);
                 all.all(|(balance, there)| (balance / there).ln().abs() < 1.0)
             };
-            if let Some(balance) = balance.filter(is_close) {
+            if let Some(balance) = balance.ok().filter(is_close) {
                 ends = balance;
             }
         }
@@ -325,14 +367,15 @@ impl<'a, 's> Leap<'a, 's> {
                 .abs()
                 .max((end - start).abs() * forced);
             if fastest * resolution > ROUNDING * force * plan.unit * plan.unit {
-                return None;
+                return Err(None);
             }
             moves = true;
             if start != 0.0 && end * side(k) < 0.0 {
                 ends.set(k, 0.0, start);
             }
         }
-        (moves && self.memory_lasts(&ends.relative) >= 0.5 * resolution).then_some(ends)
+        let lasts = self.memory_lasts(&ends.relative) >= 0.5 * resolution;
+        if moves && lasts { Ok(ends) } else { Err(None) }
     }
 
     /// The time within which memories change by no more than rounding at these velocities.
