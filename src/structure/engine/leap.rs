@@ -21,7 +21,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::directions::{Dependent, Directions};
+use super::edge::side_of;
 use super::model::Model;
+use super::modes_after::set_phase;
 use super::plan::Plan;
 use super::series::Series;
 use super::state::{Entry, Phase, Situation};
@@ -96,20 +98,15 @@ pub(super) fn leap(
     for slip in slips {
         let end = slip.relative(&ends.relative);
         let state = &mut situation.contacts[slip.contact];
-        if let Phase::Slip {
-            direction,
-            speed,
-            rate,
-            piece,
-        } = &mut state.phase
-        {
-            if end == direction.sign() * *speed {
-                continue;
-            }
-            let side = Direction::of(end).unwrap_or(direction.opposite());
-            (*direction, *speed, *rate) = (side, end.abs(), None);
-            *piece = model.contacts[slip.contact].piece_above(*speed);
+        let before = state.relative();
+        if end == before {
+            continue;
+        }
+        if end == 0.0 {
             state.entry = Entry::Held;
+            state.pass_through(side_of(-before));
+        } else {
+            set_phase(model, situation, slip.contact, end);
         }
     }
     true
@@ -169,8 +166,8 @@ impl<'a, 's> Leap<'a, 's> {
         let is_independent = |c: usize| directions.contacts.contains(&c);
         let braking = |c: usize| f64::from(u8::from(is_independent(c)));
         let compliance = directions.matrix(model, held, &braking)? - &damping;
-        let relative = |c: usize| series.contacts[c].side * situation.contacts[c].speed();
-        let start: Vec<f64> = directions.contacts.iter().map(|&c| relative(c)).collect();
+        let relative = |&c: &usize| situation.contacts[c].relative();
+        let start: Vec<f64> = directions.contacts.iter().map(relative).collect();
         let rate = |&c: &usize| series.contacts[c].side * series.contacts[c].speeds[1];
         let rates = directions.contacts.iter().map(rate);
         let rates = DVector::from_iterator(start.len(), rates);
@@ -217,6 +214,7 @@ impl<'a, 's> Leap<'a, 's> {
         load * contact.law.coefficient(slip, &|j| state.memory[j])
     }
 
+    /// The argument of its law.
     fn slip(&self, c: usize, relative: f64) -> Slip<f64> {
         let side = match Direction::of(relative) {
             Some(side) => side.sign(),

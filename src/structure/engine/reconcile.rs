@@ -117,11 +117,8 @@ impl Connected {
 /// Creeping contacts whose directions depend on those of slower ones: rounding errors of many steps
 /// would separate their velocities.
 fn agree(model: &Model<'_>, situation: &mut Situation, series: &Series) {
-    let slips = |&c: &usize| {
-        let state = &situation.contacts[c];
-        model.contacts[c].law.creeps() && state.speed() > 0.0
-    };
-    let mut creeping: Vec<usize> = model.shared.iter().copied().filter(slips).collect();
+    let slips = |&c: &usize| model.is_shared(c) && situation.contacts[c].speed() > 0.0;
+    let mut creeping: Vec<usize> = model.creeping.iter().copied().filter(slips).collect();
     if creeping.len() < 2 {
         return;
     }
@@ -133,12 +130,7 @@ fn agree(model: &Model<'_>, situation: &mut Situation, series: &Series) {
         let Some(dependent) = Dependent::on(model, &holding, c) else {
             continue;
         };
-        let relative = |c: usize| match situation.contacts[c].phase {
-            Phase::Slip {
-                direction, speed, ..
-            } => direction.sign() * speed,
-            Phase::Open | Phase::Stick { .. } => 0.0,
-        };
+        let relative = |c: usize| situation.contacts[c].relative();
         let sum = dependent.relative(relative, |c| series.contacts[c].surface[0]);
         if let Phase::Slip {
             direction, speed, ..

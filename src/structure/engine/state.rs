@@ -224,15 +224,9 @@ impl Situation {
         model
             .creeping
             .iter()
-            .filter_map(|&c| match self.contacts[c].phase {
-                // Never −0.
-                Phase::Slip {
-                    direction, speed, ..
-                } => Some((c, direction.sign() * speed + 0.0)),
-                // Until it is decided to which side it slips.
-                Phase::Stick { .. } => Some((c, 0.0)),
-                Phase::Open => None,
-            })
+            .filter(|&&c| !self.contacts[c].phase_is_open())
+            // Never −0. In stick until it is decided to which side it slips.
+            .map(|&c| (c, self.contacts[c].relative() + 0.0))
     }
 
     /// The state, with the memory of the contacts and the first-order states.
@@ -330,6 +324,16 @@ impl ContactState {
     pub(super) fn speed(&self) -> f64 {
         match self.phase {
             Phase::Slip { speed, .. } => speed,
+            Phase::Open | Phase::Stick { .. } => 0.0,
+        }
+    }
+
+    /// r at the start of the step; 0 unless the contact slips.
+    pub(super) fn relative(&self) -> f64 {
+        match self.phase {
+            Phase::Slip {
+                direction, speed, ..
+            } => direction.sign() * speed,
             Phase::Open | Phase::Stick { .. } => 0.0,
         }
     }
