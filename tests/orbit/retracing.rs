@@ -279,15 +279,20 @@ fn a_bowed_string_is_followed_past_a_stick_at_its_turning_point() {
     }
 }
 
+/// The motion of the slower string under a load of 2.
+fn slow_string() -> Orbit<State> {
+    let system = string(2.0, 0.2).unwrap();
+    let period = Period::Free(1.0 / 190.0);
+    settle(&system, &State::at_rest(3), 5.0, period).unwrap()
+}
+
 /// Motions of the slower string begin where one of its modes turns while the contact sticks, which
 /// takes a velocity of another mode. Newton's method needs two or three motions for each of few
 /// points, and no event is seen that is rounding.
 #[test]
 fn a_bowed_string_that_begins_in_stick_has_no_event_there() {
     let family = |load: f64| string(load, 0.2);
-    let (start, period) = (State::at_rest(3), Period::Free(1.0 / 190.0));
-    let orbit = settle(&family(2.0).unwrap(), &start, 5.0, period).unwrap();
-    let branch = follow(family, 2.0, &orbit, 2.0..7.0).unwrap();
+    let branch = follow(family, 2.0, &slow_string(), 2.0..7.0).unwrap();
     assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
     assert!(branch.points.len() < 200, "{}", branch.points.len());
     let [torus] = &branch.bifurcations[..] else {
@@ -303,9 +308,7 @@ fn a_bowed_string_that_begins_in_stick_has_no_event_there() {
 #[test]
 fn a_bowed_string_is_followed_to_large_multipliers() {
     let family = |load: f64| string(load, 0.2);
-    let (start, period) = (State::at_rest(3), Period::Free(1.0 / 190.0));
-    let orbit = settle(&family(2.0).unwrap(), &start, 5.0, period).unwrap();
-    let branch = follow(family, 2.0, &orbit, 2.0..11.5).unwrap();
+    let branch = follow(family, 2.0, &slow_string(), 2.0..11.5).unwrap();
     assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
     assert!(branch.points.len() < 200, "{}", branch.points.len());
     let growth = |point: &BranchPoint<State>| point.orbit.multipliers()[0].norm();
