@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use stick_slip::analysis::rate_state::first_integral;
 use stick_slip::structure::{State, Step};
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Error, EventKind, Integrator, RateState, Segment,
+    Contact, Coulomb, Direction, Drive, Ended, Error, EventKind, Integrator, RateState, Segment,
     Structure, Trajectory,
 };
 
@@ -692,7 +692,7 @@ fn masses_that_share_a_contact_move_the_same_in_either_order() {
         let stiffness = [(); 2].map(|()| 10_f64.powf(random.uniform(6.0, 7.0)));
         let places = [0, 1].map(|i| random.uniform(-0.9, 0.9) * 6.2e3 / stiffness[i]);
         let speeds = [(); 2].map(|()| 10_f64.powf(random.uniform(-12.0, -2.0)));
-        let phi = [(); 3].map(|()| random.uniform(0.0, 20.0));
+        let phi = [(); 3].map(|()| random.uniform(0.0, 60.0));
         let what = format!("{masses:?} {stiffness:?} {places:?} {speeds:?} {phi:?} {plate}");
         let seen = |order: [usize; 2]| {
             let mut system = Structure::new(&order.map(|i| masses[i])).unwrap();
@@ -721,6 +721,95 @@ fn masses_that_share_a_contact_move_the_same_in_either_order() {
         }
         let off = (found.memory[2] - turned.memory[2]).abs();
         assert!(off < 1e-8, "{what}: {off:e}");
+    }
+}
+
+/// Structures of one to three masses with creeping contacts of any memory, on plates, on the ground
+/// and between masses, thrown at speeds of 25 decades against strong springs: each motion goes on,
+/// and its energies balance.
+#[test]
+fn structures_that_are_thrown_move_on() {
+    const STEPS: usize = 2000;
+    let mut random = Random::new(61);
+    for number in 0..count(4, 200) {
+        let size = 1 + (random.bits() % 3) as usize;
+        let masses: Vec<f64> = (0..size).map(|_| random.logarithmic(1e-3, 1e2)).collect();
+        let load = random.logarithmic(1e3, 1e6);
+        let plate = random.logarithmic(1e-9, 1e-4);
+        let mut system = Structure::new(&masses).unwrap();
+        let (mut memory, mut sliding) = (Vec::new(), Vec::new());
+        let mut stiffnesses = vec![0.0; size];
+        let mut add = |system: Structure, at: [Option<usize>; 2], random: &mut Random| {
+            let a = random.uniform(0.008, 0.02);
+            let b = random.uniform(0.5, 1.8) * a;
+            let d_c = random.logarithmic(1e-6, 1e-4);
+            let f0 = random.uniform(0.4, 0.8);
+            let law = match random.bits().is_multiple_of(2) {
+                true => RateState::aging(f0, a, b, d_c, 1e-6),
+                false => RateState::slip(f0, a, b, d_c, 1e-6)
+                    .and_then(|law| law.with_least_speed(1e-300)),
+            };
+            let load = load * random.uniform(0.3, 1.5);
+            let contact = match at {
+                [Some(i), Some(j)] => Contact::between(i, j, law.unwrap(), load),
+                _ => Contact::new(at[0].unwrap(), law.unwrap(), load),
+            };
+            let moves = at[1].is_none() && random.bits().is_multiple_of(2);
+            let contact = contact.unwrap().on_belt(if moves { plate } else { 0.0 });
+            if random.bits().is_multiple_of(2) {
+                let side = random.uniform(-1.0, 1.0).signum();
+                sliding.push((memory.len(), side * random.logarithmic(1e-25, 1.0)));
+            }
+            memory.push(random.uniform(-20.0, 100.0));
+            system.with_contact(contact).unwrap()
+        };
+        for i in 0..size {
+            let stiffness = load * random.logarithmic(10.0, 1e4);
+            system = system.with_ground_spring(i, stiffness).unwrap();
+            stiffnesses[i] += stiffness;
+            if random.bits().is_multiple_of(2) {
+                let damping = (stiffness * masses[i]).sqrt() * random.logarithmic(0.01, 10.0);
+                system = system.with_ground_damper(i, damping).unwrap();
+            }
+            if i == 0 || random.bits().is_multiple_of(2) {
+                system = add(system, [Some(i), None], &mut random);
+            }
+            if i > 0 {
+                let stiffness = load * random.logarithmic(10.0, 1e4);
+                system = system.with_spring(i - 1, i, stiffness).unwrap();
+                stiffnesses[i - 1] += stiffness;
+                stiffnesses[i] += stiffness;
+                if random.bits().is_multiple_of(2) {
+                    system = add(system, [Some(i - 1), Some(i)], &mut random);
+                }
+            }
+        }
+        let places: Vec<f64> = (0..size).map(|_| random.uniform(-1e-3, 1e-3)).collect();
+        let mut start = State::new(&places, &vec![0.0; size]).with_memory(&memory);
+        for (contact, velocity) in sliding {
+            start = start.with_sliding(contact, velocity);
+        }
+        let integrator = Integrator::new().with_max_steps(STEPS).unwrap();
+        let motion = match integrator.simulate_until(&system, start, 1.0, |_| None) {
+            // Speeds of contacts with dependent directions that do not fit together.
+            Err(Error::InvalidParameter {
+                name: "sliding", ..
+            }) => continue,
+            motion => motion.unwrap_or_else(|error| panic!("{number}: {error}")),
+        };
+        match motion.ended() {
+            Ended::Error(Error::TooManySteps { .. }) | Ended::Duration => {}
+            ended => panic!("{number}: {ended:?}, {system:?}"),
+        }
+        let budget = system.energy_budget(&motion).unwrap();
+        let springs = std::iter::zip(&stiffnesses, &places);
+        let energy = springs.map(|(k, q)| k * q * q).sum::<f64>();
+        let turnover = budget.friction_loss.iter().sum::<f64>() + energy;
+        let defect = budget.defect().abs();
+        assert!(
+            defect < 1e-12 * turnover,
+            "{number}: {defect:e} {turnover:e}"
+        );
     }
 }
 

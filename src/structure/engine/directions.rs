@@ -65,6 +65,25 @@ impl Directions {
         &self.columns[place]
     }
 
+    /// A contact whose direction depends on those of `contacts` and of contacts that stick.
+    pub(super) fn dependent(&self, model: &Model<'_>, contact: usize) -> Option<Dependent> {
+        if self.contacts.contains(&contact) {
+            let parts = vec![(contact, 1.0)];
+            return Some(Dependent { contact, parts });
+        }
+        Dependent::on(model, &self.holding, contact)
+    }
+
+    /// The relative velocities of a contact that move `contacts` one by one: those of the others
+    /// are 0 without rounding errors, because friction may be steeper by any factor in one of them.
+    fn slips(&self, model: &Model<'_>, contact: usize) -> Vec<f64> {
+        let Some(dependent) = self.dependent(model, contact) else {
+            let slip = |velocities: &Vec<f64>| model.contacts[contact].along(|j| velocities[j]);
+            return self.columns.iter().map(slip).collect();
+        };
+        self.contacts.iter().map(|&c| dependent.part(c)).collect()
+    }
+
     /// The matrix D: minus the derivatives of the relative accelerations by the relative
     /// velocities. Every contact brakes its relative velocity at the rate `braking`, 0 unless it
     /// slips, beside the dampers.
@@ -85,6 +104,10 @@ impl Directions {
         braking: &dyn Fn(usize) -> f64,
     ) -> Option<DMatrix<f64>> {
         let size = self.contacts.len();
+        let brakes = |c: usize| Some((c, braking(c))).filter(|&(_, rate)| rate != 0.0);
+        let braked = (0..model.contacts.len()).filter_map(brakes);
+        let braked = braked.map(|(c, rate)| (c, rate, self.slips(model, c)));
+        let braked: Vec<(usize, f64, Vec<f64>)> = braked.collect();
         let mut matrix = DMatrix::zeros(size, size);
         for (column, velocities) in self.columns.iter().enumerate() {
             let damped = (0..model.len()).map(|i| {
@@ -93,12 +116,9 @@ impl Directions {
                 -(own * velocities[i] + others.sum::<f64>())
             });
             let mut accelerations: Vec<f64> = damped.collect();
-            for (c, contact) in model.contacts.iter().enumerate() {
-                let friction = braking(c) * contact.along(|j| velocities[j]);
-                if friction == 0.0 {
-                    continue;
-                }
-                for &(j, x) in contact.responses() {
+            for (c, rate, slips) in &braked {
+                let friction = rate * slips[column];
+                for &(j, x) in model.contacts[*c].responses() {
                     accelerations[j] -= x * friction;
                 }
             }
@@ -126,6 +146,12 @@ impl Dependent {
     pub(super) fn on(model: &Model<'_>, holding: &Holding, contact: usize) -> Option<Self> {
         let parts = model.dependence(contact, holding)?;
         Some(Self { contact, parts })
+    }
+
+    /// α of a contact.
+    pub(super) fn part(&self, contact: usize) -> f64 {
+        let found = self.parts.iter().find(|&&(c, _)| c == contact);
+        found.map_or(0.0, |&(_, part)| part)
     }
 
     /// Its relative velocity Σ α_c (r_c + w_c) − w, where those of others may be far below the

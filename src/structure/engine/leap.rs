@@ -11,27 +11,26 @@
 //!
 //! the implicit Euler method, with the compliances G and the damping C between the directions of
 //! the contacts. As N μ rises with r, there is one solution, and each contact comes nearer to its
-//! balance r' = 0 without passing it. One that comes close to it in h/2, where e^{−Dh/2} is
-//! rounding, has settled, and gets the balance itself.
+//! balance r' = 0 without passing it. One that comes close to it where e^{−Dh} is rounding has
+//! settled, and gets the balance itself.
 //!
 //! Friction follows the logarithm of r, over hundreds of decades. Far from the solution one
 //! velocity after the other is set to that at which its own forces balance; near to it Newton's
-//! method corrects all of them.
+//! method corrects all of them. Where friction has become steep in other directions, the search
+//! goes on along these.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::directions::{Dependent, Directions};
-use super::edge::side_of;
+use super::directions::Directions;
+use super::events::Firings;
 use super::model::Model;
 use super::modes_after::set_phase;
-use super::plan::Plan;
+use super::plan::{Plan, SETTLED};
 use super::series::Series;
-use super::state::{Entry, Phase, Situation};
+use super::state::{Firing, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};
+use crate::series::PowerSeries;
 use crate::state::Direction;
-
-/// Decay times after which a deviation is rounding: e^{−40} = 4e-18.
-const SETTLED: f64 = 40.0;
 
 /// Halvings of a range of logarithms of speeds to its rounding.
 const HALVINGS: usize = 64;
@@ -46,70 +45,77 @@ const PART: f64 = 1.0 / (1 << 26) as f64;
 const LEAST: f64 = 1e-290;
 
 /// Corrections at most, and choices of independent directions: those of steep friction.
-const MOST: usize = 80;
-const CHOICES: usize = 3;
+const MOST: usize = 12;
+const CHOICES: usize = 12;
 
 /// Relative correction after which the next one is less than rounding.
 const SMALL: f64 = 1e-8;
 
-/// Relative correction below which Newton's method converges, and the part of what is left that
-/// another of its steps may leave.
+/// The part of what is left of the equations that Newton's step may leave.
 const NEAR: f64 = 0.5;
 
 /// Factor of the speed in a search for a larger one.
 const FURTHER: f64 = 1e4;
 
-/// Gives contacts in slip the speeds that they reach within the rounding of time, if nothing else
-/// in the motion changes by more than rounding. One that turns back stops at r = 0. Returns false
-/// if no speed changes.
+/// A step of the length of the resolution of time, at most to a break of a drive: contacts in slip
+/// get the speeds that they reach within it, if nothing else in the motion changes by more than
+/// rounding. Its series are those speeds; one that turns back arrives at r = 0. Returns its length,
+/// or `None` if no speed changes.
 pub(super) fn leap(
     model: &Model<'_>,
     situation: &mut Situation,
     series: &mut Series,
     plan: &Plan,
-) -> bool {
+    to_break: f64,
+    firings: &mut Firings,
+) -> Option<f64> {
     let slopes = series.contacts.iter().map(|of| of.slope.abs());
-    let Some(mut leap) = Leap::new(model, situation, series, &slopes.collect::<Vec<f64>>()) else {
-        return false;
-    };
-    let mut found = leap.ends(plan);
+    let slopes: Vec<f64> = slopes.collect();
+    let mut from: Vec<f64> = situation.contacts.iter().map(|of| of.relative()).collect();
+    let mut leap = Leap::new(model, situation, series, &slopes)?;
+    let mut found = leap.ends(plan, to_break, &from);
     for _ in 1..CHOICES {
         let Err(Some(last)) = &found else {
             break;
         };
-        let Some(other) = Leap::new(model, situation, series, &leap.slopes(last)) else {
-            return false;
-        };
-        leap = other;
-        found = leap.ends(plan);
+        for slip in &leap.slips {
+            from[slip.contact] = slip.relative(last);
+        }
+        leap = Leap::new(model, situation, series, &leap.slopes(&from))?;
+        found = leap.ends(plan, to_break, &from);
     }
-    let Ok(ends) = found else {
-        return false;
-    };
+    let (ends, duration) = found.ok()?;
     let Leap {
         directions, slips, ..
     } = leap;
+    series.keep(1);
     for &i in &model.shared_coordinates {
         let changes = ends.changes.iter().enumerate();
         let changes = changes.map(|(k, change)| change * directions.column(k)[i]);
         let motion = &mut series.coordinates[i].motion;
         motion.set_velocity(0, motion.velocity(0) + changes.sum::<f64>());
     }
+    *firings = Firings::default();
+    firings.contacts.resize(model.contacts.len(), None);
     for slip in slips {
-        let end = slip.relative(&ends.relative);
-        let state = &mut situation.contacts[slip.contact];
-        let before = state.relative();
+        let (c, end) = (slip.contact, slip.relative(&ends.relative));
+        let before = situation.contacts[c].relative();
+        let of = &mut series.contacts[c];
         if end == before {
             continue;
         }
-        if end == 0.0 {
-            state.entry = Entry::Held;
-            state.pass_through(side_of(-before));
-        } else {
-            set_phase(model, situation, slip.contact, end);
+        match Direction::of(end) {
+            Some(direction) => {
+                set_phase(model, situation, c, end);
+                (of.side, of.speeds) = (direction.sign(), PowerSeries::of(end.abs()));
+            }
+            None => {
+                of.speeds[1] = -of.speeds[0] / duration;
+                firings.contacts[c] = Some((duration, Firing::Arrival));
+            }
         }
     }
-    true
+    Some(duration)
 }
 
 /// A contact in slip.
@@ -173,24 +179,16 @@ impl<'a, 's> Leap<'a, 's> {
         let rates = DVector::from_iterator(start.len(), rates);
         let surface = |c: usize| series.contacts[c].surface[0];
         let slipping = |contact: usize| {
-            let mut slipping = Slipping {
+            let dependent = directions.dependent(model, contact)?;
+            Some(Slipping {
                 contact,
-                parts: vec![0.0; start.len()],
-                offset: 0.0,
-            };
-            let place = |c: usize| directions.contacts.iter().position(|&d| d == c);
-            if let Some(place) = place(contact) {
-                slipping.parts[place] = 1.0;
-                return Some(slipping);
-            }
-            let dependent = Dependent::on(model, &directions.holding, contact)?;
-            slipping.offset = dependent.relative(|_| 0.0, surface);
-            for &(c, part) in &dependent.parts {
-                if let Some(place) = place(c) {
-                    slipping.parts[place] = part;
-                }
-            }
-            Some(slipping)
+                parts: directions
+                    .contacts
+                    .iter()
+                    .map(|&c| dependent.part(c))
+                    .collect(),
+                offset: dependent.relative(|_| 0.0, surface),
+            })
         };
         let slips: Option<Vec<Slipping>> = all.into_iter().map(slipping).collect();
         Some(Self {
@@ -234,12 +232,12 @@ impl<'a, 's> Leap<'a, 's> {
         (more - less) / (2.0 * PART * relative)
     }
 
-    /// The derivatives of friction of all contacts at these velocities, 0 where there is no slip.
-    fn slopes(&self, velocities: &[f64]) -> Vec<f64> {
-        let mut slopes = vec![0.0; self.model.contacts.len()];
-        for slip in &self.slips {
-            let slope = self.slope(slip.contact, slip.relative(velocities));
-            slopes[slip.contact] = slope.abs();
+    /// The sizes of the derivatives of friction at these relative velocities of all contacts, 0
+    /// where there is no slip.
+    fn slopes(&self, relative: &[f64]) -> Vec<f64> {
+        let mut slopes = vec![0.0; relative.len()];
+        for &Slipping { contact, .. } in &self.slips {
+            slopes[contact] = self.slope(contact, relative[contact]).abs();
         }
         slopes
     }
@@ -302,7 +300,7 @@ impl<'a, 's> Leap<'a, 's> {
             if largest < SMALL {
                 return Ok(corrected);
             }
-            if largest < NEAR || balance.left(&corrected) < NEAR * balance.left(&velocities) {
+            if balance.left(&corrected) < NEAR * balance.left(&velocities) {
                 velocities = corrected;
             } else {
                 for k in 0..inertia.len() {
@@ -313,30 +311,38 @@ impl<'a, 's> Leap<'a, 's> {
         Err(Some(velocities.relative))
     }
 
-    /// The velocities along the directions after the resolution of time.
+    /// The velocities along the directions after the resolution of time, and that time, at most one
+    /// to a break of a drive. They are searched from these relative velocities of all contacts.
     ///
     /// # Errors
     ///
     /// The velocities at which the search for them ended, if it did.
-    fn ends(&self, plan: &Plan) -> Result<Velocities, Option<Vec<f64>>> {
-        let clock = self.situation.clock.time.abs();
+    fn ends(
+        &self,
+        plan: &Plan,
+        to_break: f64,
+        from: &[f64],
+    ) -> Result<(Velocities, f64), Option<Vec<f64>>> {
         let lasts = self.memory_lasts(&self.start);
-        let resolution = (f64::EPSILON * clock.max(plan.unit)).min(lasts);
+        let duration = plan.resolution.min(lasts).min(to_break);
         let side = |k: usize| self.series.contacts[self.directions.contacts[k]].side;
         let size = self.start.len();
-        let mut inertia = vec![2.0 / resolution; size];
-        let from = std::iter::zip(0.., &self.start).map(|(k, &r)| match r.abs() < LEAST {
-            true => side(k) * LEAST,
-            false => r,
+        let mut inertia = vec![duration.recip(); size];
+        let starts = std::iter::zip(0.., &self.directions.contacts);
+        let starts = starts.map(|(k, &c)| match from[c] {
+            r if r.abs() < LEAST => side(k) * LEAST,
+            r => r,
         });
+        let relative: Vec<f64> = starts.collect();
+        let changes = std::iter::zip(&relative, &self.start);
         let from = Velocities {
-            relative: from.collect(),
-            changes: vec![0.0; size],
+            changes: changes.map(|(r, start)| r - start).collect(),
+            relative,
         };
         let mut ends = self.solution(&inertia, from)?;
         let direct =
             |k: usize, r: f64| self.slope(self.directions.contacts[k], r) * self.compliance[(k, k)];
-        let (mut settles, forced) = (false, 2.0 / resolution);
+        let mut settles = false;
         for (k, inertia) in inertia.iter_mut().enumerate() {
             if direct(k, ends.relative[k]) > SETTLED * *inertia {
                 (*inertia, settles) = (*inertia * PART * PART * PART, true);
@@ -359,12 +365,10 @@ impl<'a, 's> Leap<'a, 's> {
                 ends.set(k, start, start);
                 continue;
             }
-            // The way is less than rounding in terms of the forces that change the speed.
-            let fastest = start.abs().max(end.abs());
-            let force = (direct(k, end) * end)
-                .abs()
-                .max((end - start).abs() * forced);
-            if fastest * resolution > ROUNDING * force * plan.unit * plan.unit {
+            // Its way is less than rounding in terms of the forces that change the speed.
+            let change = (end - start).abs();
+            let force = (direct(k, end) * end).abs().max(change / duration);
+            if change * duration > ROUNDING * force * plan.unit * plan.unit {
                 return Err(None);
             }
             moves = true;
@@ -372,8 +376,11 @@ impl<'a, 's> Leap<'a, 's> {
                 ends.set(k, 0.0, start);
             }
         }
-        let lasts = self.memory_lasts(&ends.relative) >= 0.5 * resolution;
-        if moves && lasts { Ok(ends) } else { Err(None) }
+        let lasts = 2.0 * self.memory_lasts(&ends.relative) >= duration;
+        match moves && lasts {
+            true => Ok((ends, duration)),
+            false => Err(None),
+        }
     }
 
     /// The time within which memories change by no more than rounding at these velocities.

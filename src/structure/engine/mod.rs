@@ -93,7 +93,9 @@ use mechanisms::Mechanism;
 use model::Model;
 use modes::{At, Modes};
 use modes_after::{begin, decide, slide};
-use plan::{Control, LONGEST_STEP, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter};
+use plan::{
+    Control, LONGEST_STEP, SETTLED, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter,
+};
 use series::Series;
 use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
@@ -192,8 +194,11 @@ impl<'s> Engine<'s> {
         let (start, modes) = (self.situation.clock, Arc::clone(&self.modes));
         self.situation.add_to(&mut ends, &self.model, &self.series);
         modes.put_at_end(start.time, At::After, n, &mut ends);
-        let settled = self.settle();
-        let settled = settled.or_else(|error| self.leap().ok_or(error))?;
+        let settled = match self.settle() {
+            Ok(settled) if !self.is_below_resolution(&settled) => settled,
+            Ok(settled) => self.leap().unwrap_or(settled),
+            Err(error) => self.leap().ok_or(error)?,
+        };
         let series = self.emitted();
         if settled.duration.is_infinite() {
             let span = (settled.duration, start.after(settled.duration));
@@ -305,10 +310,23 @@ impl<'s> Engine<'s> {
         Ok(settled(duration))
     }
 
-    /// In a step of length 0, gives contacts whose steps would be too short the speeds that they
-    /// reach within the rounding of time, or 0 if they turn back. `None` if there are none.
+    /// True for a step that a creeping contact makes shorter than the resolution of time.
+    fn is_below_resolution(&self, settled: &AcceptedStep) -> bool {
+        let (plan, mut fired) = (&self.control.plan, self.firings.contacts.iter());
+        settled.duration < plan.resolution
+            && plan
+                .stiff
+                .iter()
+                .any(|rate| rate * plan.resolution > SETTLED)
+            && settled.at_break.is_none()
+            && (self.idle > 0 || !fired.any(Option::is_some))
+    }
+
+    /// A step at the end of which contacts whose steps would be too short have the speeds that they
+    /// reach within the resolution of time. `None` if there are none.
     #[cold]
     fn leap(&mut self) -> Option<AcceptedStep> {
+        let (break_time, to_break) = self.next_break();
         let Self {
             model,
             situation,
@@ -317,15 +335,11 @@ impl<'s> Engine<'s> {
             firings,
             ..
         } = self;
-        if !leap::leap(model, situation, series, &control.plan) {
-            return None;
-        }
-        *firings = Firings::default();
-        firings.contacts.resize(model.contacts.len(), None);
+        let duration = leap::leap(model, situation, series, &control.plan, to_break, firings)?;
         control.longest = f64::INFINITY;
         Some(AcceptedStep {
-            duration: 0.0,
-            at_break: None,
+            duration,
+            at_break: break_time.filter(|_| duration >= to_break),
         })
     }
 

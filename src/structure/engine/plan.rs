@@ -56,6 +56,8 @@ pub(super) struct Plan {
     pub(super) tolerance: f64,
     /// The time unit in which step lengths are measured.
     pub(super) unit: f64,
+    /// What settles within this time need not be followed: it is less than rounding of time.
+    pub(super) resolution: f64,
     /// The time over which the changes of velocities are used as their scales: the time unit, or
     /// that of the drives, or less if steps are a small part of it.
     within: f64,
@@ -124,6 +126,9 @@ fn lasting(slaved: &[bool], closings: &[f64], i: usize, time: f64) -> f64 {
         _ => time,
     }
 }
+
+/// Decay times after which a deviation is rounding: e^{−40} = 4e-18.
+pub(super) const SETTLED: f64 = 40.0;
 
 /// Returns true if every velocity is constant, and every distance from a limit linear in time: no
 /// series limits the step.
@@ -221,6 +226,7 @@ pub(super) fn plan_reach(
         }
     }
     plan.unit = time_unit(model, situation, series, scales);
+    plan.resolution = 0.5 * f64::EPSILON * situation.clock.time.abs().max(plan.unit);
     plan.stiff.clear();
     for (c, state) in situation.contacts.iter().enumerate() {
         let rate = settling(model, situation, series, c);

@@ -88,6 +88,33 @@ impl Series {
     pub(super) fn truncate(&mut self) -> usize {
         /// Size of coefficients above which bounds of a series overflow.
         const LARGEST: f64 = 1e240;
+        let is_ordinary = |coefficient: f64| coefficient.abs() < LARGEST;
+        let (motions, series) = self.integrated();
+        let kept = (0..TERMS).position(|k| {
+            let mut velocities = motions.iter().map(|of| of.motion.velocity(k));
+            !(velocities.all(is_ordinary) && series.iter().all(|c| is_ordinary(c[k])))
+        });
+        let kept = kept.unwrap_or(TERMS);
+        self.keep(kept);
+        TERMS - kept
+    }
+
+    /// Keeps the first orders of all series.
+    #[cold]
+    pub(super) fn keep(&mut self, kept: usize) {
+        let (motions, mut series) = self.integrated();
+        for k in kept..TERMS {
+            for of in &mut *motions {
+                of.motion.set_velocity(k, 0.0);
+            }
+            for c in &mut series {
+                c[k] = 0.0;
+            }
+        }
+    }
+
+    /// The series that follow from the equations of motion.
+    fn integrated(&mut self) -> (&mut [CoordinateSeries], Vec<&mut PowerSeries>) {
         let contacts = self.contacts.iter_mut().flat_map(|of| {
             let own = [&mut of.speeds, &mut of.friction, &mut of.carried];
             own.into_iter()
@@ -99,23 +126,7 @@ impl Series {
             motion.chain(&mut of.forces)
         });
         let numbers = contacts.chain(elements).chain(&mut self.states);
-        let mut series: Vec<&mut PowerSeries> = numbers.collect();
-        let is_ordinary = |coefficient: f64| coefficient.abs() < LARGEST;
-        let motions = &mut self.coordinates;
-        let kept = (0..TERMS).position(|k| {
-            let mut velocities = motions.iter().map(|of| of.motion.velocity(k));
-            !(velocities.all(is_ordinary) && series.iter().all(|c| is_ordinary(c[k])))
-        });
-        let kept = kept.unwrap_or(TERMS);
-        for k in kept..TERMS {
-            for of in &mut *motions {
-                of.motion.set_velocity(k, 0.0);
-            }
-            for c in &mut series {
-                c[k] = 0.0;
-            }
-        }
-        TERMS - kept
+        (&mut self.coordinates, numbers.collect())
     }
 
     /// The velocity of coordinate i over the step.

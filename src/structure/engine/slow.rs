@@ -30,7 +30,7 @@
 use super::coordinate_series::ALL;
 use super::expand::{expand, expand_slow};
 use super::model::Model;
-use super::plan::{Control, LONGEST_STEP, plan_explicit, plan_reach};
+use super::plan::{Control, LONGEST_STEP, SETTLED, plan_explicit, plan_reach};
 use super::series::Series;
 use super::state::{Phase, Situation};
 use super::stiff::Stiff;
@@ -45,6 +45,10 @@ pub(crate) const MOST_PASSES: usize = 12;
 /// Distance from the slow manifold, and change in the last pass, in units of the error of a step,
 /// that count as 0.
 pub(crate) const CLOSE: f64 = 8.0;
+
+/// Relative distance of a speed from the slow manifold at which it may still settle within the
+/// resolution of time.
+const NEAR: f64 = 0.5;
 
 /// Part of the reach within which changes count.
 pub(crate) const INNER: f64 = 0.8;
@@ -192,12 +196,23 @@ impl Slow<'_, '_> {
         // Of a few orders only the reach is shorter.
         let reach = match plan.dropped {
             0 => reach,
-            _ => reach.max(EXPLICIT / stiffest),
+            _ => (ALIKE * reach).max(EXPLICIT / stiffest),
         };
         let slowest = if stiffest * reach > SETTLING {
             stiffest / ALIKE
         } else {
             f64::INFINITY
+        };
+        // Contacts on one mass settle at the sum of their rates.
+        let shared = self.model.shared.iter().map(|&c| plan.stiff[c]);
+        let shared: Vec<f64> = shared.filter(|&rate| rate > 0.0).collect();
+        let together = |c: usize| {
+            let own = plan.stiff[c];
+            let others = shared.iter().filter(|&&rate| rate < ALIKE * own);
+            match self.model.is_shared(c) {
+                true => others.sum(),
+                false => own,
+            }
         };
         for (c, contact) in self.series.contacts.iter_mut().enumerate() {
             // Several variables of one contact may be stiff together.
@@ -208,8 +223,8 @@ impl Slow<'_, '_> {
             if self.model.contacts[c].is_elastic() {
                 continue;
             }
-            let settling = self.control.plan.stiff[c];
-            let begins = settling > slowest || settling * reach > SETTLING;
+            let settling = plan.stiff[c];
+            let begins = settling > slowest || together(c) * reach > SETTLING;
             if begins && contact.settling == 0.0 && rate.is_none() {
                 contact.settling = settling;
                 self.control.begun_speeds.push(c);
@@ -287,7 +302,10 @@ impl Slow<'_, '_> {
                 let (series, state) = (&self.series.contacts[c], &self.situation.contacts[c]);
                 let now = series.speeds[0];
                 let left = self.control.errors_left.get(c).copied().unwrap_or(0.0);
-                let error = CLOSE * self.control.plan.contacts[c].error.max(left);
+                let mut error = CLOSE * self.control.plan.contacts[c].error.max(left);
+                if series.settling * self.control.plan.resolution > SETTLED {
+                    error = error.max(NEAR * state.speed());
+                }
                 let moved = 4.0 * (now - before[0]).abs();
                 let [missing, missed] = self.control.stiff.missing(c);
                 let moved = moved + 4.0 * (missing - missed).abs();
@@ -352,8 +370,13 @@ impl Slow<'_, '_> {
                 None => self.series.velocities(i),
             };
             // Known only after the first plan.
-            let allowance = self.control.plan.coordinates.get(i);
-            (series, allowance.map_or(0.0, |allowance| allowance.error))
+            let plan = &self.control.plan;
+            let error = match plan.slaved.get(i) {
+                // It follows from the speeds.
+                Some(true) => f64::INFINITY,
+                _ => plan.coordinates.get(i).map_or(0.0, |of| of.error),
+            };
+            (series, error)
         });
         let (memories, tolerance) = (self.slow_memories(), self.control.tolerance);
         let speeds = self.slow_speeds().map(|c| {
