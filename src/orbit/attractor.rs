@@ -307,12 +307,16 @@ fn still(form: &GeneralForm<'_>, displacement: f64, time: f64) -> f64 {
 }
 
 /// Returns true if every coordinate stands still over a motion, or moves at a constant velocity
-/// where nothing depends on it, up to rounding.
+/// where nothing depends on it, up to rounding. A contact whose force touches its limit may slip
+/// less than a displacement is rounded, but at a speed that is no rounding error.
 fn stands<S: SystemState>(form: &GeneralForm<'_>, orbit: &Orbit<S>) -> bool {
     let displacements = (0..form.len()).map(|i| size(orbit.extremes(i)));
     let displacement = displacements.fold(0.0, f64::max);
     let still = still(form, displacement, orbit.period());
-    (0..form.len()).all(|i| speed(form, orbit.velocity_extremes(i)) <= still)
+    (0..form.len()).all(|i| {
+        let (least, most) = orbit.extremes(i);
+        speed(form, orbit.velocity_extremes(i)) <= still || most - least <= still * orbit.period()
+    })
 }
 
 /// The largest size of a number in a range.
@@ -371,8 +375,7 @@ pub(super) fn kind_of<S: SystemState>(form: &GeneralForm<'_>, orbit: &Orbit<S>) 
             _ => AttractorKind::Rest,
         };
     }
-    let mut events = orbit.events().iter();
-    if events.any(|event| event.kind == EventKind::Stick) {
+    if orbit.alternates() {
         AttractorKind::StickSlip
     } else {
         AttractorKind::PureSlip

@@ -103,9 +103,14 @@ impl Standing {
         }
     }
 
+    /// Returns true if the eigenvalues are those of all equilibria of this kind.
+    pub(super) fn is_only_one(&self) -> bool {
+        !self.is_one_of_many
+    }
+
     /// Returns true if no equilibrium of this kind attracts.
     pub(super) fn repels(&self) -> bool {
-        self.spectrum.growing > 0 && !self.is_one_of_many
+        self.spectrum.growing > 0 && self.is_only_one()
     }
 }
 

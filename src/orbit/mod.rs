@@ -94,7 +94,7 @@
 //! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
 //! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached; each motion starts from the last state of the motion before |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of the same kind within a step can be missed |
-//! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | the attractors on branches that a sweep or a Hopf point reaches |
+//! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | the attractors on branches that a sweep, motions from rest or Hopf points reach |
 //! | any system: the motion that is born at a Hopf point of steady sliding | [`begin`] | one small motion |
 //! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on this branch |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of the same kind within a step can be missed |

@@ -56,6 +56,8 @@ pub struct Orbit<S: SystemState> {
     families: Vec<S>,
     /// The multipliers 1 of families that are listed.
     neutral: usize,
+    /// True if a contact alternates between stick and slip.
+    alternates: bool,
     is_symmetric: bool,
     motion: KeptMotion<S>,
 }
@@ -116,6 +118,7 @@ impl Closed {
             unslipped: self.properties.unslipped,
             families: families.map(S::State::of_general).collect(),
             neutral: self.properties.neutral,
+            alternates: self.properties.alternates,
             is_symmetric: self.is_symmetric,
         })
     }
@@ -139,6 +142,7 @@ struct Properties {
     unslipped: Vec<usize>,
     families: Vec<State>,
     neutral: usize,
+    alternates: bool,
 }
 
 impl Properties {
@@ -169,7 +173,13 @@ impl Properties {
         });
         let mut events: Vec<_> = events.collect();
         sort_by(&mut events, |event| event.time);
+        // A contact whose force only touches its limit has events by rounding.
+        let sticks = |event: &Event<State>| {
+            let slips = |contact| !begun.slips_by_rounding(contact);
+            event.kind == EventKind::Stick && event.contact().is_some_and(slips)
+        };
         Ok(Self {
+            alternates: events.iter().any(sticks),
             events,
             multipliers,
             unslipped,
@@ -293,6 +303,11 @@ impl<S: SystemState> Orbit<S> {
             neutral -= usize::from(is_neutral);
             is_neutral || m.norm() < 1.0
         })
+    }
+
+    /// Returns true if a contact alternates between stick and slip.
+    pub(super) fn alternates(&self) -> bool {
+        self.alternates
     }
 
     /// Returns true if the motion is one of a family that conserves a quantity.

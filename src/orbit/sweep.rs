@@ -1,11 +1,11 @@
 //! A sweep of a parameter up and down: each motion starts from the end of the motion before.
 
 use super::attractor::{Attractor, settled};
-use super::oscillator::Oscillator;
+use super::oscillator::{Oscillator, Systems};
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::motion::{AttractorKind, SystemState};
-use crate::search::Search;
+use crate::search::{Search, Watched};
 use crate::state::structure::State;
 
 /// Attractors as a parameter rises and falls: see [`sweep`].
@@ -182,19 +182,12 @@ impl Search<'_> {
         let down = values.iter().rev().map(|&value| (value, false));
         for (parameter, rises) in values.iter().map(|&value| (value, true)).chain(down) {
             watched.at(parameter);
-            let mut refused = None;
-            let found = family(parameter).and_then(|system| {
-                let form = system.form().within(self.steps(), &watched);
-                let found = settled(&system, &form, &start);
-                watched.add(form.taken());
-                let error = found.as_ref().err();
-                refused = error
-                    .filter(|error| is_given && is_of_start(error))
-                    .cloned();
-                found
-            });
-            if let Some(error) = refused {
-                return Err(error.at("parameter", parameter));
+            let found = self.reached(&family, parameter, &start, &watched);
+            if let Err(error) = &found
+                && is_given
+                && is_of_start(error)
+            {
+                return Err(error.clone().at("parameter", parameter));
             }
             if watched.is_stopped() {
                 sweep.stopped = Some(parameter);
@@ -217,6 +210,47 @@ impl Search<'_> {
             watched.found(parameter);
         }
         Ok(sweep)
+    }
+
+    /// The attractors that motions from rest reach at some values of a parameter, up to the value
+    /// at which the watcher stops the search.
+    pub(super) fn reached_from_rest<S: Oscillator>(
+        &self,
+        family: &Systems<'_, S>,
+        values: &[f64],
+    ) -> Vec<SweepPoint<S::State>> {
+        let watched = self.watch("parameter");
+        let mut points = Vec::new();
+        for &parameter in values {
+            watched.at(parameter);
+            let rest = family(parameter).map(|system| State::at_rest(system.form().len()));
+            let found = rest.and_then(|rest| self.reached(family, parameter, &rest, &watched));
+            if watched.is_stopped() {
+                break;
+            }
+            let attractor = found.map(|(attractor, _)| attractor);
+            points.push(SweepPoint {
+                parameter,
+                attractor: attractor.map_err(|error| error.at("parameter", parameter)),
+            });
+            watched.found(parameter);
+        }
+        points
+    }
+
+    /// The attractor that a motion reaches at a value of the parameter, and a state there.
+    fn reached<S: Oscillator>(
+        &self,
+        family: &Systems<'_, S>,
+        parameter: f64,
+        start: &State,
+        watched: &Watched<'_>,
+    ) -> Result<(Attractor<S::State>, State), Error> {
+        let system = family(parameter)?;
+        let form = system.form().within(self.steps(), watched);
+        let found = settled(&system, &form, start);
+        watched.add(form.taken());
+        found
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::super::branch::{BifurcationKind, Branch};
-use super::super::sweep::Sweep;
+use super::super::sweep::{Sweep, SweepPoint};
 use crate::motion::{AttractorKind, SystemState};
 
 /// The attractors of a system over a range of a parameter: see
@@ -19,6 +19,9 @@ pub struct VibrationRanges<S: SystemState> {
     pub branches: Vec<Branch<S>>,
     /// The attractors that the sweep reached at 17 equidistant values, upward and downward.
     pub sweep: Sweep<S>,
+    /// The attractors that were reached from rest: at these values except the first, with which the
+    /// sweep begins, then at the middles of ranges in which no other search found one.
+    pub from_rest: Vec<SweepPoint<S>>,
     /// The value of the parameter at which the watcher stopped the search; `None` if the watcher
     /// did not stop it. After a stop the ranges may lack attractors, even some that the sweep
     /// reached.
@@ -43,11 +46,12 @@ pub struct VibrationRange {
     /// is empty if no attractor was found.
     ///
     /// [`AttractorKind::Irregular`], and any other attractor on no branch that was followed, is
-    /// entered for the whole range if the sweep found it at one value or more of the range. A
+    /// entered for the whole range if a search reached it at one value or more of the range. A
     /// long transient counts as irregular, too, for example near a bifurcation: an irregular motion
-    /// in the list need not be another attractor. The points of [`VibrationRanges::sweep`] in the
-    /// range tell how many values are irregular. To decide, simulate the motion at one of these
-    /// values for longer and [`classify`](crate::orbit::classify()) its end, or compute its
+    /// in the list need not be another attractor. The points of [`VibrationRanges::sweep`] and
+    /// [`VibrationRanges::from_rest`] in the range tell how many values are irregular. To decide,
+    /// simulate the motion at one of these values for longer and
+    /// [`classify`](crate::orbit::classify()) its end, or compute its
     /// [`lyapunov`](crate::orbit::lyapunov()) exponent.
     pub attractors: Vec<AttractorKind>,
     /// The two ends of the range: the reasons why the attractors change there, or the ends of the

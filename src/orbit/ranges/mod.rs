@@ -7,9 +7,9 @@ use std::cell::Cell;
 use std::ops::Range;
 
 pub use self::found::{Border, VibrationRange, VibrationRanges};
-use self::motions::{extent, is_on, is_one, is_same};
+use self::motions::{extent, in_positions, is_on, is_one, is_same};
 use super::attractor::{Attractor, kind_of};
-use super::branch::{BifurcationKind, Branch, BranchEnd};
+use super::branch::{BifurcationKind, Branch, BranchEnd, BranchPoint};
 use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};
 use super::oscillator::{Oscillator, Systems};
 use super::periodic_orbit::Orbit;
@@ -49,21 +49,23 @@ const SMALL: f64 = 1e-3;
 /// vibration, and of hysteresis, with the critical values between these ranges. In a range of
 /// hysteresis there are several attractors, and the past of the motion decides between them.
 ///
-/// `family` returns the system for a value of the parameter. Two searches find periodic motions.
+/// `family` returns the system for a value of the parameter. Three searches find periodic motions.
 /// One is a [`sweep`](super::sweep()) from rest over 17 equidistant values, upward and downward.
-/// The other finds the Hopf points of steady sliding, at which motions [begin](super::begin()).
-/// Each motion found that lies on no known branch is [followed](super::follow()) in both
-/// directions, through folds, to the ends of its branch. The end of stick-slip is therefore the
-/// fold or grazing itself, not the last value at which a simulation showed stick. The branches also
-/// contain motions that no simulation from steady sliding reaches.
+/// Another starts from rest at each of these values. The third finds the Hopf points of steady
+/// sliding, at which motions [begin](super::begin()). Each motion found that lies on no known
+/// branch is [followed](super::follow()) in both directions, through folds, to the ends of its
+/// branch. The end of stick-slip is therefore the fold or grazing itself, not the last value at
+/// which a simulation showed stick. The branches also contain motions that no simulation from
+/// steady sliding reaches.
 ///
-/// A motion that lies on two branches counts once. Masses at rest on a branch count as steady
+/// A motion that lies on two branches counts once, and so do the motions of a family in which
+/// contacts that never slip have different positions. Masses at rest on a branch count as steady
 /// sliding or rest, also if drives vary, and once, whatever forces their joints carry. Bifurcations
 /// are exact to about 1e-10 of the range, like those of [`follow`](super::follow()). Hopf points in
 /// [`VibrationRange::parameters`] are exact to rounding, because they follow from the eigenvalues
 /// of steady sliding. Parameters at which the family returns an error belong to no range; the
-/// ranges next to them end with [`Border::NoSystem`]. Attractors on a branch that neither search
-/// reaches are missed.
+/// ranges next to them end with [`Border::NoSystem`]. What any of the searches reaches is reported.
+/// Attractors that none of them reaches are missed: another start may lead to another attractor.
 ///
 /// In steady sliding a contact slides if its surface moves; any other contact, such as a joint
 /// between masses, sticks, and its force may have any value within its limit. Steady sliding counts
@@ -72,14 +74,16 @@ const SMALL: f64 = 1e-3;
 /// in which joints carry only forces that springs cannot carry.) If no contact slides, the
 /// equilibrium is [`AttractorKind::Rest`].
 ///
-/// An attractor that the sweep reaches, and that neither a branch nor these eigenvalues explain, is
+/// An attractor that a search reaches, and that neither a branch nor these eigenvalues explain, is
 /// entered for the whole range around the value: for example chaos ([`AttractorKind::Irregular`]),
-/// steady sliding of a shaft that turns, or a motion whose branch cannot be followed.
+/// or a motion whose branch cannot be followed. Steady sliding or rest is also entered between
+/// neighbouring values at which it is reached: for example masses at rest under a drive, or a shaft
+/// that turns.
 ///
 /// A range wider than 10⁻⁴ of the whole in which no attractor is known is tried once more, from
 /// rest at its middle. If no branch explains this motion, only its kind is entered.
 ///
-/// The work is a sweep over 17 values, upward and downward, and one [`follow`](super::follow()) for
+/// The work is 17 motions upward, downward and from rest, and one [`follow`](super::follow()) for
 /// each branch: seconds for a few masses, tens of seconds for a dozen masses.
 /// [`Search::vibration_ranges`] sets a bound of the work, and accepts a watcher, a function that
 /// can stop the search. For a mass on a belt of constant velocity,
@@ -173,8 +177,9 @@ impl Search<'_> {
         let sweep = search.sweep(family, &places(SWEPT), &rest)?;
         let steady = steady_along(family, &places(INTERVALS));
         let systems = systems(family, &places(INTERVALS));
+        let mut from_rest = search.reached_from_rest(family, &places(SWEPT)[1..]);
         let mut branches: Vec<Branch<S::State>> = Vec::new();
-        let swept = sweep.up.iter().chain(&sweep.down);
+        let swept = sweep.up.iter().chain(&sweep.down).chain(&from_rest);
         let swept = swept.filter_map(|point| {
             let orbit = point.attractor.as_ref().ok().and_then(Attractor::orbit)?;
             Some((point.parameter, orbit))
@@ -195,7 +200,6 @@ impl Search<'_> {
             systems: &systems,
             near: NEAR * (end - start),
         };
-        let mut tried: Vec<SweepPoint<S::State>> = Vec::new();
         let mut round = 0;
         loop {
             let mut stretches = steady_stretches(&steady, start..end);
@@ -205,44 +209,52 @@ impl Search<'_> {
             let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S::State>>| {
                 search.different(family, parameter, stretches)
             };
-            // A motion on a branch is known, and so is an equilibrium that repels: near a change of
-            // its stability a sweep takes it for an attractor.
-            let is_known = |point: &SweepPoint<S::State>| match &point.attractor {
-                Ok(Attractor::PureSlip(orbit) | Attractor::StickSlip(orbit)) => branches
-                    .iter()
-                    .any(|branch| is_on(branch, point.parameter, orbit)),
-                Ok(Attractor::Rest | Attractor::SteadySliding) => family(point.parameter)
-                    .is_ok_and(|system| Standing::of(&system.form()).is_some_and(|it| it.repels())),
-                Ok(Attractor::Irregular) | Err(_) => false,
+            let evidence = |point: &SweepPoint<S::State>| match &point.attractor {
+                Ok(Attractor::Rest | Attractor::SteadySliding) => {
+                    let system = family(point.parameter).ok();
+                    match system.and_then(|system| Standing::of(&system.form())) {
+                        // Near a change of its stability a sweep takes an equilibrium that repels
+                        // for an attractor.
+                        Some(known) if known.repels() => Evidence::None,
+                        Some(known) if known.is_only_one() => Evidence::Here,
+                        // Under a drive, or with joints in one of many positions.
+                        _ => Evidence::Lasting,
+                    }
+                }
+                Ok(_) => Evidence::Here,
+                Err(_) => Evidence::None,
             };
-            let points: Vec<_> = sweep.up.iter().chain(&sweep.down).chain(&tried).collect();
-            let ranges = ranges(&stretches, &points, &systems, start..end, differ, is_known);
+            let points: Vec<_> = sweep
+                .up
+                .iter()
+                .chain(&sweep.down)
+                .chain(&from_rest)
+                .collect();
+            let ranges = ranges(&stretches, &points, &systems, start..end, differ, evidence);
             let empty = ranges.iter().filter(|found| found.attractors.is_empty());
             let empty = empty.map(|found| found.parameters.clone());
             let empty: Vec<f64> = empty
                 .filter(|part| part.end - part.start > WIDE * (end - start))
                 .map(|part| 0.5 * (part.start + part.end))
-                .filter(|middle| tried.iter().all(|point| point.parameter != *middle))
+                .filter(|middle| from_rest.iter().all(|point| point.parameter != *middle))
                 .collect();
             if empty.is_empty() || round == ROUNDS || stopped.get().is_some() {
                 return Ok(VibrationRanges {
                     ranges,
                     branches,
                     sweep,
+                    from_rest,
                     stopped: stopped.get(),
                 });
             }
-            for parameter in empty {
-                let attractor = family(parameter).and_then(|it| search.classify(&it, &rest));
-                if let Some(orbit) = attractor.as_ref().ok().and_then(Attractor::orbit) {
-                    let found = (parameter, orbit);
+            let tried = search.reached_from_rest(family, &empty);
+            for point in &tried {
+                if let Some(orbit) = point.attractor.as_ref().ok().and_then(Attractor::orbit) {
+                    let found = (point.parameter, orbit);
                     search.follow_new(family, found, &(start..end), &mut branches);
                 }
-                tried.push(SweepPoint {
-                    parameter,
-                    attractor,
-                });
             }
+            from_rest.extend(tried);
             round += 1;
         }
     }
@@ -273,8 +285,8 @@ impl Search<'_> {
         known: &Known<'_>,
         stretches: &mut Vec<Stretch<'b, S::State>>,
     ) {
-        let points = &branch.points;
-        let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        let mut points: Vec<&BranchPoint<S::State>> = branch.points.iter().collect();
+        let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else {
             return;
         };
         let end = |end: &BranchEnd, last: f64| match end {
@@ -295,17 +307,25 @@ impl Search<'_> {
         let extents = points.iter().map(|point| extent(&point.orbit));
         let largest = extents.fold(0.0, f64::max);
         // The first number of a piece is that of its first point.
-        let mut cuts = vec![(0, end(&branch.ends[0], first.parameter), None)];
-        let between = branch.bifurcations.iter();
-        cuts.extend(between.map(|found| {
+        let between = branch.bifurcations.iter().map(|found| {
             let hopf = known.hopf(found.parameter);
             let border = match hopf.filter(|_| extent(&found.orbit) <= SMALL * largest) {
                 Some(hopf) => (hopf, Border::Hopf),
                 None => (found.parameter, Border::Bifurcation(found.kind)),
             };
             (found.behind + 1, border, Some(found))
-        }));
-        cuts.push((points.len(), end(&branch.ends[1], last.parameter), None));
+        });
+        let mut cuts: Vec<_> = between.collect();
+        if let (BranchEnd::Closed, Some(&(behind, border, found))) = (&branch.ends[1], cuts.first())
+        {
+            // The place at which a closed branch was begun is no end.
+            points.rotate_left(behind);
+            cuts.iter_mut().for_each(|cut| cut.0 -= behind);
+            cuts.push((points.len(), border, found));
+        } else {
+            cuts.insert(0, (0, end(&branch.ends[0], first.parameter), None));
+            cuts.push((points.len(), end(&branch.ends[1], last.parameter), None));
+        }
         for pair in cuts.windows(2) {
             let [(from, low, found), (to, high, next)] = &pair else {
                 continue;
@@ -380,7 +400,7 @@ impl Search<'_> {
             let found = self.motion_at(family, stretch, parameter)?;
             (attracts(system, &found) == Some(stretch.kind)).then_some(found)
         };
-        let mut motions: Vec<Orbit<S::State>> = Vec::new();
+        let mut motions: Vec<(AttractorKind, Orbit<S::State>)> = Vec::new();
         let mut kinds = Vec::new();
         for stretch in stretches {
             // Masses at rest are one attractor, whatever joints carry.
@@ -393,16 +413,33 @@ impl Search<'_> {
             }
             let found = motion(stretch);
             let is_known = |found: &Orbit<S::State>| {
-                let mut motions = motions.iter();
-                let is_same = |system| motions.any(|known| is_one(system, known, found));
-                system.as_ref().is_some_and(is_same)
+                let alike = motions.iter().filter(|known| known.0 == stretch.kind);
+                let mut alike = alike.map(|known| &known.1);
+                system.as_ref().is_some_and(|system| {
+                    alike.any(|known| {
+                        is_one(system, known, found) || self.is_member(system, known, found)
+                    })
+                })
             };
             if !found.as_ref().is_some_and(is_known) {
-                motions.extend(found);
+                motions.extend(found.map(|found| (stretch.kind, found)));
                 kinds.push(stretch.kind);
             }
         }
         kinds
+    }
+
+    /// Returns true if a motion is a member of the continuous family of another one, in which
+    /// contacts that never slip have other positions.
+    fn is_member<S: Oscillator>(
+        &self,
+        system: &S,
+        of: &Orbit<S::State>,
+        motion: &Orbit<S::State>,
+    ) -> bool {
+        let start = in_positions(&system.form(), of, motion);
+        let moved = start.and_then(|start| self.shoot(system, &start, of.kind()).ok());
+        moved.is_some_and(|moved| is_one(system, &moved, motion))
     }
 
     /// The motion of a stretch at a value of the parameter, from its nearest one: in shorter and
@@ -507,6 +544,17 @@ struct Stretch<'b, S: SystemState> {
     motions: Vec<(f64, &'b Orbit<S>)>,
 }
 
+/// What an attractor at one value says about the range around it.
+#[derive(Clone, Copy, PartialEq)]
+enum Evidence {
+    /// Nothing.
+    None,
+    /// It exists in the range that contains the value.
+    Here,
+    /// It also lasts from one value to the next, whatever else changes between them.
+    Lasting,
+}
+
 /// The kind of a motion of a system, if it attracts.
 fn attracts<S: Oscillator>(system: &S, orbit: &Orbit<S::State>) -> Option<AttractorKind> {
     orbit.is_stable().then(|| kind_of(&system.form(), orbit))
@@ -543,7 +591,7 @@ fn ranges<'b, S: SystemState>(
     systems: &[Range<f64>],
     range: Range<f64>,
     different: impl Fn(f64, Vec<&Stretch<'b, S>>) -> Vec<AttractorKind>,
-    is_known: impl Fn(&SweepPoint<S>) -> bool,
+    evidence: impl Fn(&SweepPoint<S>) -> Evidence,
 ) -> Vec<VibrationRange> {
     let width = range.end - range.start;
     let borders = stretches.iter().flat_map(|stretch| {
@@ -571,6 +619,24 @@ fn ranges<'b, S: SystemState>(
         }
         is_same
     });
+    let points: Vec<_> = points
+        .iter()
+        .map(|point| (*point, evidence(point)))
+        .collect();
+    // An attractor that lasts is found at the nearest values on both sides.
+    let lasts = |kind: AttractorKind, start: f64, end: f64| {
+        let values = || points.iter().map(|(point, _)| point.parameter);
+        let below = values()
+            .filter(|at| *at <= start)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let above = values()
+            .filter(|at| *at >= end)
+            .fold(f64::INFINITY, f64::min);
+        [below, above].into_iter().all(|at| {
+            let mut there = points.iter().filter(|(point, _)| point.parameter == at);
+            there.any(|(point, of)| point.kind() == Some(kind) && *of == Evidence::Lasting)
+        })
+    };
     let mut found: Vec<VibrationRange> = Vec::new();
     for pair in borders.windows(2) {
         let (start, end) = (pair[0].0, pair[1].0);
@@ -586,14 +652,18 @@ fn ranges<'b, S: SystemState>(
         let mut attractors = different(middle, there.collect());
         // Attractors of the sweep that nothing above explains. A point on a border says little
         // about the range beside it.
-        for point in points {
+        for (point, evidence) in &points {
             let is_inside = start < point.parameter && point.parameter < end;
             let is_on_border = point.parameter == start || point.parameter == end;
-            let is_new = |kind: &AttractorKind| !attractors.contains(kind);
-            if let Some(kind) = point.kind().filter(is_new)
-                && (is_inside && !is_known(point)
-                    || is_on_border && (attractors.is_empty() || kind == AttractorKind::Irregular))
-            {
+            let Some(kind) = point.kind().filter(|kind| !attractors.contains(kind)) else {
+                continue;
+            };
+            let is_there = match evidence {
+                Evidence::None => false,
+                Evidence::Here => is_inside || is_on_border && kind == AttractorKind::Irregular,
+                Evidence::Lasting => is_inside || lasts(kind, start, end),
+            };
+            if is_there {
                 attractors.push(kind);
             }
         }

@@ -1,6 +1,10 @@
 //! Comparison of motions, and of branches of them.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::super::branch::{Branch, BranchPoint};
+use super::super::form::GeneralForm;
+use super::super::map::{state, vector};
 use super::super::oscillator::Oscillator;
 use super::super::period::Period;
 use super::super::periodic_orbit::Orbit;
@@ -76,6 +80,47 @@ pub(super) fn is_one<S: Oscillator>(system: &S, a: &Orbit<S::State>, b: &Orbit<S
             Period::Free(_) => nearest(a, |time| apart(time, &state)) <= ONE,
         }
     })
+}
+
+/// The start of a motion moved along its family so that the contacts that never slip have the
+/// positions that they have in another motion; `None` unless they are the same contacts, and the
+/// positions tell the members apart.
+pub(super) fn in_positions<S: SystemState>(
+    form: &GeneralForm<'_>,
+    motion: &Orbit<S>,
+    other: &Orbit<S>,
+) -> Option<S> {
+    let contacts = motion.unslipped();
+    let is_told = !contacts.is_empty() && motion.families().len() == contacts.len();
+    if !is_told || contacts != other.unslipped() {
+        return None;
+    }
+    // What is constant while a contact sticks.
+    let position = |state: &State, contact: usize| {
+        let of = &form.model().contacts[contact];
+        let displacement = of.along(|j| state.displacements[j]);
+        match of.tangential_stiffness {
+            Some(stiffness) => {
+                let row = form.carried_row(contact) - 2 * form.len();
+                displacement - state.memory.get(row).copied().unwrap_or(0.0) / stiffness
+            }
+            None => displacement,
+        }
+    };
+    let order = form.order();
+    let [from, to] = [motion, other].map(|orbit| orbit.state().general());
+    let directions: Vec<State> = motion.families().iter().map(S::general).collect();
+    let matrix = DMatrix::from_fn(contacts.len(), directions.len(), |i, j| {
+        position(&directions[j], contacts[i])
+    });
+    let apart = DVector::from_fn(contacts.len(), |i, _| {
+        position(&to, contacts[i]) - position(&from, contacts[i])
+    });
+    let parts = matrix.lu().solve(&apart)?;
+    let moved = std::iter::zip(&directions, &parts).fold(vector(&from, order), |sum, (d, part)| {
+        sum + vector(d, order) * *part
+    });
+    Some(S::of_general(&state(&moved, form.len())))
 }
 
 /// The least of a distance along a motion, which falls and rises linearly beside a zero.
