@@ -31,6 +31,7 @@ mod measures;
 mod opening;
 mod random_births;
 mod random_exponents;
+mod random_ranges;
 mod random_sensitivities;
 mod random_switching;
 mod ranges;
