@@ -490,7 +490,7 @@ fn wrong_at(
 #[test]
 fn attractors_are_those_of_long_simulations() {
     let mut wrong = Vec::new();
-    for number in 0..count(6, 60) as u64 {
+    for number in 0..count(6, 32) as u64 {
         let random = &mut Random::new(4900 + 1000 * number);
         let family = Family::random(random);
         let found = vibration_ranges(|value| family.at(value), family.range.clone()).unwrap();
