@@ -293,14 +293,26 @@ impl Curve<'_> {
         let growth = 0.5 * trial.map.growth();
         let nonlinearity = 1.0 + growth * growth;
         let longer = [nonlinearity.cbrt(), nonlinearity.sqrt()];
-        for part in longer.iter().filter(|_| growth > MILD) {
+        let longer = longer.iter().filter(|_| growth > MILD);
+        let mut straightest: Option<(f64, DVector<f64>)> = None;
+        for part in longer.chain([&nonlinearity]) {
             let step = PARTS[0] * self.width() / part;
-            let (low, high) = (miss(-step), miss(step));
-            if let (Some((a, below, true)), Some((b, above, true))) = (low, high)
-                && (&below + &above - &here * 2.0).norm() <= STRAIGHT * (&above - &below).norm()
+            if let (Some((a, below, true)), Some((b, above, true))) = (miss(-step), miss(step))
+                && a < b
             {
-                return (above - below) / (b - a);
+                let change = &above - &below;
+                let bend = (below + above - &here * 2.0).norm() / change.norm();
+                let slope = change / (b - a);
+                if bend <= STRAIGHT {
+                    return slope;
+                }
+                if straightest.as_ref().is_none_or(|(least, _)| bend < *least) {
+                    straightest = Some((bend, slope));
+                }
             }
+        }
+        if let Some((_, slope)) = straightest {
+            return slope;
         }
         for part in PARTS {
             let step = part * self.width() / nonlinearity;
@@ -316,7 +328,9 @@ impl Curve<'_> {
                 _ if high.is_none() => (low, here),
                 _ => (low, high),
             };
-            if let (Some((a, below, _)), Some((b, above, _))) = pair {
+            if let (Some((a, below, _)), Some((b, above, _))) = pair
+                && a < b
+            {
                 slope = (above - below) / (b - a);
             }
             if any {

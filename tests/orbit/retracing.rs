@@ -303,12 +303,12 @@ fn a_bowed_string_that_begins_in_stick_has_no_event_there() {
 }
 
 /// Under larger loads the slower string does not end at a tangential event: the first multiplier
-/// doubles with each quarter of a unit of the load, to 5·10⁴ at 11.5, as perturbations grow in the
+/// doubles with each quarter of a unit of the load, to 2·10⁵ at 12, as perturbations grow in the
 /// falling friction of the slow begin of a slip. Steps stay as long as at small multipliers.
 #[test]
 fn a_bowed_string_is_followed_to_large_multipliers() {
     let family = |load: f64| string(load, 0.2);
-    let branch = follow(family, 2.0, &slow_string(), 2.0..11.5).unwrap();
+    let branch = follow(family, 2.0, &slow_string(), 2.0..12.0).unwrap();
     assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
     assert!(branch.points.len() < 200, "{}", branch.points.len());
     let growth = |point: &BranchPoint<State>| point.orbit.multipliers()[0].norm();
@@ -322,9 +322,9 @@ fn a_bowed_string_is_followed_to_large_multipliers() {
         assert!((3.0..5.0).contains(&rate), "{rate} at {}", pair[0][0]);
     }
     let last = &branch.points[branch.points.len() - 1];
-    assert!((2e4..1e5).contains(&growth(last)), "{}", growth(last));
+    assert!((1e5..4e5).contains(&growth(last)), "{}", growth(last));
     // A neighbouring start, simulated over one period, leaves the motion by about the multiplier.
-    let system = family(11.5).unwrap();
+    let system = family(12.0).unwrap();
     let state = last.orbit.state();
     let again = |change: f64| {
         let mut start = state.clone();
