@@ -162,7 +162,8 @@ impl LocalCurve<'_, '_> {
             sides.narrow(place, is_low);
         }
         let Sides { low, high, .. } = sides;
-        if self.apart(&low, &high) > JUMP || self.pass_by(&low, &high) {
+        let apart = self.apart(&low, &high).max(self.departure(&low, &high));
+        if apart > JUMP || self.pass_by(&low, &high) {
             return Err(self.lost(&high));
         }
         Ok((low, high))
@@ -203,6 +204,9 @@ impl LocalCurve<'_, '_> {
         signs: &mut Signs,
         found: &mut Vec<FoundBifurcation>,
     ) -> Result<(), Error> {
+        if self.gains_symmetry(from, to) {
+            return Err(self.lost(to));
+        }
         let (begin, end) = (self.values(&from.solved), self.values(&to.solved));
         let first = found.len();
         for (test, sign) in signs.iter_mut().enumerate() {

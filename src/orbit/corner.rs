@@ -4,7 +4,7 @@
 
 use nalgebra::DVector;
 
-use super::changes::FoundBifurcation;
+use super::changes::{FoundBifurcation, JUMP};
 use super::curve::Solved;
 use super::local_curve::{CurvePoint, LocalCurve};
 use super::sequence::Sequence;
@@ -155,7 +155,8 @@ impl LocalCurve<'_, '_> {
         nearer: impl Fn(&DVector<f64>) -> Option<CurvePoint>,
     ) -> bool {
         let apart = self.apart(here, place);
-        if place.solved.is_like(self.base) || apart > STEEP * away {
+        let is_far = apart > STEEP * away || self.departure(here, place) > JUMP;
+        if place.solved.is_like(self.base) || is_far {
             return false;
         }
         let guess = &self.base.y * 0.75 + &place.solved.y * 0.25;

@@ -34,6 +34,7 @@
 // | `half_map.rs` | symmetric motions: the map over half a period |
 // | `pitchfork.rs` | pitchforks of symmetric motions |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
+// | `symmetry.rs` | symmetries in time that motions beside a branch have, and its motions lack |
 // | `phase_condition.rs` | where motions start: away from events, and the phase condition of autonomous ones |
 // | `hold.rs`, `mark.rs` | motions with a contact held past a touch, which are smooth there; events that are watched |
 // | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
@@ -243,6 +244,7 @@ mod spectrum;
 mod springs;
 mod sweep;
 mod switch;
+mod symmetry;
 mod tangent;
 mod translation;
 mod trial;
