@@ -511,8 +511,8 @@ impl PyBifurcation {
 record! {
     /// Where a branch ends.
     BranchEnd {
-        /// "range", "Hopf", "grazing", "discontinuity", "one-way slip", "closed", "work", "stopped"
-        /// or "lost".
+        /// "range", "Hopf", "grazing", "discontinuity", "one-way slip", "birth", "closed", "work",
+        /// "stopped" or "lost".
         kind: &'static str,
         /// The parameter there; None for "range", "closed" and "work".
         parameter: Option<f64>,
@@ -561,6 +561,7 @@ impl From<&orbit::BranchEnd> for BranchEnd {
                     direction.sign()
                 ),
             ),
+            orbit::BranchEnd::Birth { parameter } => ("birth", Some(*parameter), String::new()),
             orbit::BranchEnd::Closed => ("closed", None, String::new()),
             orbit::BranchEnd::Work => ("work", None, String::new()),
             orbit::BranchEnd::Stopped { parameter } => ("stopped", Some(*parameter), String::new()),

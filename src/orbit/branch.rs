@@ -20,7 +20,7 @@ pub struct Branch<S: SystemState> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
     /// The bifurcations between the motions, in the order of `points`. If the branch ends at a
-    /// grazing, the list also contains this grazing, as the first or the last entry.
+    /// grazing or at its birth, the list also contains this change, as the first or the last entry.
     pub bifurcations: Vec<Bifurcation<S>>,
     /// The reasons why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
@@ -234,6 +234,17 @@ pub enum BranchEnd {
         contact: usize,
         /// The direction of the slip beyond the end.
         direction: Direction,
+    },
+    /// The branch is born at this change of the events, from motions with a symmetry that its own
+    /// motions lack: their period is a part of its period, or they are
+    /// [symmetric](super::Orbit::is_symmetric). Beyond the end lie the images of its motions: the
+    /// same motions, begun a part of the period later, or their mirror images. The change is the
+    /// first or the last entry of [`Branch::bifurcations`]. (A branch that is born at a
+    /// [`Flip`](BifurcationKind::Flip) or [`Pitchfork`](BifurcationKind::Pitchfork) has a fold
+    /// there, and continues with these images.)
+    Birth {
+        /// The parameter of the change, to rounding.
+        parameter: f64,
     },
     /// The branch is a closed curve: it returned to its start. Or it meets itself: beyond its last
     /// motion lie motions of the branch that were found before, such as the symmetric ones if it

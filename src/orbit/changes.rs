@@ -162,8 +162,8 @@ impl LocalCurve<'_, '_> {
             sides.narrow(place, is_low);
         }
         let Sides { low, high, .. } = sides;
-        let apart = self.apart(&low, &high).max(self.departure(&low, &high));
-        if apart > JUMP || self.pass_by(&low, &high) {
+        let departure = self.departure(&low, &high).max(self.departure(&high, &low));
+        if self.apart(&low, &high).max(departure) > JUMP || self.pass_by(&low, &high) {
             return Err(self.lost(&high));
         }
         Ok((low, high))
@@ -204,7 +204,7 @@ impl LocalCurve<'_, '_> {
         signs: &mut Signs,
         found: &mut Vec<FoundBifurcation>,
     ) -> Result<(), Error> {
-        if self.gains_symmetry(from, to) {
+        if self.gained_symmetry(from, to).is_some() {
             return Err(self.lost(to));
         }
         let (begin, end) = (self.values(&from.solved), self.values(&to.solved));

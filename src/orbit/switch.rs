@@ -67,7 +67,9 @@ impl<S: SystemState> Bifurcation<S> {
     ///
     /// At the bifurcation the new branch turns back. At a flip it then runs through the same
     /// motions again, begun half a period later; at a pitchfork, through their mirror images.
-    /// [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] at this point.
+    /// [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] at this point. Where
+    /// the branch meets the old motions at a change of the events, it ends with
+    /// [`BranchEnd::Birth`](super::BranchEnd::Birth).
     ///
     /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch
     /// switching); J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric

@@ -3,8 +3,12 @@
 
 use nalgebra::DVector;
 
+use super::branch::BifurcationKind;
+use super::changes::{FoundBifurcation, JUMP};
 use super::curve::{Curve, Solved};
+use super::half_map::{Balance, HalfMap};
 use super::local_curve::{CurvePoint, LocalCurve};
+use super::map::vector;
 
 /// Largest departure of a symmetric motion, in units of its extents.
 const SYMMETRIC: f64 = 1e-7;
@@ -13,36 +17,73 @@ const SYMMETRIC: f64 = 1e-7;
 /// part of the piece.
 const BESIDE: f64 = 0.1;
 
+/// Largest residual of the mirror image of a motion, as a part of what it misses of the symmetry,
+/// if the system has the symmetry.
+const MIRRORED: f64 = 1e-3;
+
 impl LocalCurve<'_, '_> {
-    /// Returns true if a piece of the curve seems to lead from motions without a symmetry to
-    /// motions with it.
+    /// The number of a symmetry that a piece of the curve seems to gain: it leads from motions
+    /// without it to motions with it.
     ///
-    /// On one smooth piece all motions have a symmetry, or all but some single ones, such as that
-    /// at a flip of others, through which the branch passes. A symmetric motion with a symmetric
-    /// neighbour therefore lies on another curve.
-    pub(super) fn gains_symmetry(&self, from: &CurvePoint, to: &CurvePoint) -> bool {
+    /// On one smooth piece all motions have a symmetry, or single ones, such as that at a flip of
+    /// others, through which the branch passes. A symmetric motion with a symmetric neighbour
+    /// therefore lies on another curve, or beyond a change of events.
+    pub(super) fn gained_symmetry(&self, from: &CurvePoint, to: &CurvePoint) -> Option<usize> {
         let curve = self.curve;
         let [before, after] = [from, to].map(|place| departures(curve, &place.solved));
-        let mut pairs = std::iter::zip(before, after).enumerate();
-        let gained = pairs.find(|(_, (before, after))| *before > SYMMETRIC && *after <= SYMMETRIC);
-        let Some((symmetry, _)) = gained else {
-            return false;
-        };
+        let mut pairs = std::iter::zip(before, after);
+        let gained = pairs.position(|(before, after)| before > SYMMETRIC && after <= SYMMETRIC)?;
         let along = &to.solved.tangent;
         let back = -BESIDE * (to.distance - from.distance);
         let guess = &to.solved.y + along.component_mul(self.scale) * back;
         let plane = self.across(&to.solved, along, back);
-        let beside = curve.solve(&guess, &to.solved, &plane);
-        beside.is_ok_and(|beside| departures(curve, &beside)[symmetry] <= SYMMETRIC)
+        let beside = curve.solve(&guess, &to.solved, &plane).ok()?;
+        (departures(curve, &beside)[gained] <= SYMMETRIC).then_some(gained)
     }
 
-    /// The largest departure of one side of a change of events from a symmetry that the other side
-    /// has; 0 if there is none.
-    pub(super) fn departure(&self, low: &CurvePoint, high: &CurvePoint) -> f64 {
-        let [low, high] = [low, high].map(|side| departures(self.curve, &side.solved));
-        let pairs = std::iter::zip(low, high);
-        let gained = pairs.filter(|(low, high)| low.min(*high) <= SYMMETRIC);
-        gained.fold(0.0, |largest, (low, high)| low.max(high).max(largest))
+    /// The number of the change of events, of those found between two points, at which the motions
+    /// of the branch meet their images under a symmetry, and motions with the symmetry.
+    pub(super) fn birth(
+        &self,
+        (from, to): (&CurvePoint, &CurvePoint),
+        found: &[FoundBifurcation],
+    ) -> Option<usize> {
+        let gained = self.gained_symmetry(from, to)?;
+        let before = departures(self.curve, &from.solved);
+        let birth = found.iter().position(|found| {
+            let changes = [BifurcationKind::Grazing, BifurcationKind::Sequence];
+            let missed = departures(self.curve, &found.solved)[gained];
+            changes.contains(&found.kind) && missed <= JUMP
+        })?;
+        // All systems of the family have the symmetries in time.
+        let is_in_time = gained + 1 < before.len();
+        let is_mirrored = |missed: f64| missed <= MIRRORED * before[gained];
+        (is_in_time || self.mirrored(from, to).is_some_and(is_mirrored)).then_some(birth)
+    }
+
+    /// The largest departure of a motion from a symmetry that another one has; 0 if there is none.
+    pub(super) fn departure(&self, motion: &CurvePoint, other: &CurvePoint) -> f64 {
+        let [own, others] = [motion, other].map(|place| departures(self.curve, &place.solved));
+        let pairs = std::iter::zip(own, others);
+        let pairs = pairs.filter(|(_, other)| *other <= SYMMETRIC);
+        pairs.fold(0.0, |largest, (own, _)| own.max(largest))
+    }
+
+    /// The residual of the mirror image of a motion, from a symmetric motion near it.
+    fn mirrored(&self, motion: &CurvePoint, symmetric: &CurvePoint) -> Option<f64> {
+        let curve = self.curve;
+        let (Solved { y, begin, .. }, there) = (&motion.solved, &symmetric.solved);
+        let half_map = HalfMap::of_symmetric(&there.trial.map, there.trial.period)?;
+        let balance = |y: &DVector<f64>| {
+            let balance = curve.with(y, |form, period| Ok(Balance::of(form, period)));
+            balance.ok()
+        };
+        let half_map = half_map.moved(&balance(&there.y)?, &balance(y)?)?;
+        let (half, _) = curve.motion(y, begin, 0.5).ok()?;
+        let mut image = y.clone();
+        let start = vector(&half_map.applied(half).end, curve.order);
+        image.rows_mut(0, curve.order).copy_from(&start);
+        Some(curve.trial(&image, begin).ok()?.residual)
     }
 }
 

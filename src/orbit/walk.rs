@@ -125,7 +125,7 @@ enum Outcome {
     Last(CurvePoint, Vec<FoundBifurcation>),
     Jump(CurvePoint, Vec<FoundBifurcation>, BranchEnd),
     End(BranchEnd),
-    Grazing(f64, Box<FoundBifurcation>),
+    Change(Vec<FoundBifurcation>, BranchEnd),
 }
 
 impl Walk<'_, '_> {
@@ -173,9 +173,9 @@ impl Walk<'_, '_> {
                     return Ok(end);
                 }
                 Outcome::End(end) => return Ok(end),
-                Outcome::Grazing(parameter, found) => {
-                    self.add(vec![*found])?;
-                    return Ok(BranchEnd::Grazing { parameter });
+                Outcome::Change(found, end) => {
+                    self.add(found)?;
+                    return Ok(end);
                 }
             };
             step = next_step;
@@ -308,8 +308,12 @@ impl Walk<'_, '_> {
         {
             *signs = [0.0; 4];
             let length = view.apart(here, &place);
-            let found = Vec::from_iter(found);
-            return (Outcome::Next(place, found), length.min(LONGEST));
+            let mut found = Vec::from_iter(found);
+            let outcome = match self.birth(view, [here, &place], &mut found) {
+                Some(birth) => Outcome::Change(found, birth),
+                None => Outcome::Next(place, found),
+            };
+            return (outcome, length.min(LONGEST));
         }
         if self.curve.watched.is_stopped() {
             end = Some(Outcome::End(self.curve.end_at_limit(view.base)));
@@ -430,7 +434,13 @@ impl Walk<'_, '_> {
         if !(allowed && stays && place.distance > 0.0) {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }
-        let Changes { found, last_change } = view.changes(here, &place, signs)?;
+        let Changes {
+            mut found,
+            last_change,
+        } = view.changes(here, &place, signs)?;
+        if let Some(birth) = self.birth(view, [here, &place], &mut found) {
+            return Ok(Outcome::Change(found, birth));
+        }
         if is_last {
             return Ok(Outcome::Last(place, found));
         }
@@ -441,6 +451,20 @@ impl Walk<'_, '_> {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }
         Ok(Outcome::Next(place, found))
+    }
+
+    /// The end at a change of events at which the branch is born, if there is one between two
+    /// places, and only what is found up to there.
+    fn birth(
+        &self,
+        view: &LocalCurve<'_, '_>,
+        [here, place]: [&CurvePoint; 2],
+        found: &mut Vec<FoundBifurcation>,
+    ) -> Option<BranchEnd> {
+        let birth = view.birth((here, place), found)?;
+        found.truncate(birth + 1);
+        let parameter = self.curve.parameter(&found[birth].solved.y);
+        Some(BranchEnd::Birth { parameter })
     }
 
     /// The Hopf point between two places, if the motion shrinks to a point there.
@@ -553,7 +577,10 @@ impl Walk<'_, '_> {
             kind: BifurcationKind::Grazing,
             solved,
         };
-        Some(Outcome::Grazing(parameter, Box::new(found)))
+        Some(Outcome::Change(
+            vec![found],
+            BranchEnd::Grazing { parameter },
+        ))
     }
 
     /// Returns true if the curve has returned to its first motion, in the direction in which it

@@ -1,6 +1,9 @@
 //! Branches that are born at the flips and pitchforks of random forced systems.
 
-use stick_slip::orbit::{Bifurcation, BifurcationKind, Branch, BranchPoint, Orbit, Search, shoot};
+use stick_slip::orbit::{
+    Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint, Orbit, Search, classify, follow,
+    shoot,
+};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Stribeck, Structure};
 
@@ -99,23 +102,13 @@ fn apart(orbit: &Orbit<State>, kind: BifurcationKind) -> f64 {
     means.fold(mirrored.amax(), f64::max)
 }
 
-/// Returns true if a branch that was born goes over to motions of the old branch, other than at a
-/// change of events at which the two meet.
+/// Returns true if a branch that was born goes over to motions of the old branch.
 fn strays(branch: &Branch<State>, kind: BifurcationKind) -> bool {
     let part = |orbit: &Orbit<State>| apart(orbit, kind) / vector(&orbit.state()).amax();
-    let points = branch.points.iter();
-    let points: Vec<_> = points.map(|p| (p.parameter, part(&p.orbit))).collect();
-    let meet = branch.bifurcations.iter().filter(|found| {
-        let changes = [BifurcationKind::Grazing, BifurcationKind::Sequence];
-        changes.contains(&found.kind) && part(&found.orbit) < 1e-6
-    });
-    let meet: Vec<f64> = meet.map(|found| found.parameter).collect();
-    points.windows(2).any(|pair| {
-        let (least, largest) = (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1));
-        let step = (pair[0].0 - pair[1].0).abs();
-        let beside = |at: &f64| (at - pair[0].0).abs() <= 2.0 * step;
-        least < 1e-9 && largest > 1e-6 && !meet.iter().any(beside)
-    })
+    let parts = branch.points.iter().map(|point| part(&point.orbit));
+    let parts: Vec<f64> = parts.collect();
+    let is_passage = |pair: &[f64]| pair[0].min(pair[1]) < 1e-9 && pair[0].max(pair[1]) > 1e-6;
+    parts.windows(2).any(is_passage)
 }
 
 /// The exponent with which the distance from the old branch grows with that from the bifurcation,
@@ -275,5 +268,36 @@ fn motions_of_many_periods_are_doubled() {
         let search = Search::new().with_max_points(4).unwrap();
         let branch = search.follow(family, born.parameter, &born.orbit, 0.11..0.75);
         assert!(!strays(&branch.unwrap(), flip.kind));
+    }
+}
+
+/// Motions without the symmetry leave the symmetric ones at a pitchfork, and come back where the
+/// events of both change. There they end, on both sides of the pitchfork.
+#[test]
+fn a_branch_ends_where_it_is_born_at_a_change_of_events() {
+    let system = Forced::random(&mut Random::new(6100 + 166));
+    let family = |force: f64| system.at(force);
+    let range = 0.3 * system.force..2.0 * system.force;
+    let start = family(system.force).unwrap();
+    let attractor = classify(&start, &State::at_rest(system.masses.len())).unwrap();
+    let orbit = attractor.orbit().unwrap();
+    let old = follow(family, system.force, orbit, range.clone()).unwrap();
+    let mut found = old.bifurcations.iter();
+    let pitchfork = found.find(|found| found.kind == BifurcationKind::Pitchfork);
+    let born = pitchfork.unwrap().switch(family).unwrap();
+    let new = follow(family, born.parameter, &born.orbit, range).unwrap();
+    assert!(!strays(&new, BifurcationKind::Pitchfork));
+    let ends = [0, new.bifurcations.len() - 1].map(|i| &new.bifurcations[i]);
+    for (end, change) in new.ends.iter().zip(ends) {
+        let BranchEnd::Birth { parameter } = *end else {
+            panic!("{end:?}")
+        };
+        assert_eq!(parameter, change.parameter);
+        assert!(change.orbit.is_symmetric());
+        // The symmetric motions change their events there, too.
+        let mut changes = old.bifurcations.iter();
+        assert!(changes.any(|found| {
+            found.kind == change.kind && (found.parameter - parameter).abs() < 1e-9
+        }));
     }
 }

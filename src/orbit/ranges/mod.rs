@@ -297,6 +297,9 @@ impl Search<'_> {
             BranchEnd::Grazing { parameter } | BranchEnd::OneWaySlip { parameter, .. } => {
                 (*parameter, Border::Bifurcation(BifurcationKind::Grazing))
             }
+            BranchEnd::Birth { parameter } => {
+                (*parameter, Border::Bifurcation(BifurcationKind::Sequence))
+            }
             BranchEnd::Discontinuity { parameter, .. } => (*parameter, Border::Discontinuity),
             BranchEnd::Lost { parameter, .. } => match known.end_of_systems(*parameter) {
                 Some(border) => (border, Border::NoSystem),
