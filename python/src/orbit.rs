@@ -859,6 +859,24 @@ pub struct SweepPoint {
     error: Option<String>,
 }
 
+impl SweepPoint {
+    fn all(py: Python<'_>, points: Vec<orbit::SweepPoint<State>>) -> PyResult<Vec<Py<Self>>> {
+        let point = |point: orbit::SweepPoint<State>| {
+            let (found, error) = match point.attractor {
+                Ok(found) => (Some(attractor(py, found, None)?), None),
+                Err(error) => (None, Some(in_python(error))),
+            };
+            let point = Self {
+                parameter: point.parameter,
+                attractor: found,
+                error,
+            };
+            Py::new(py, point)
+        };
+        points.into_iter().map(point).collect()
+    }
+}
+
 #[pymethods]
 impl SweepPoint {
     fn __repr__(&self) -> String {
@@ -883,24 +901,10 @@ impl PySweep {
 
 impl PySweep {
     fn of(py: Python<'_>, sweep: Sweep<State>) -> PyResult<Self> {
-        let point = |point: orbit::SweepPoint<State>| {
-            let (found, error) = match point.attractor {
-                Ok(found) => (Some(attractor(py, found, None)?), None),
-                Err(error) => (None, Some(in_python(error))),
-            };
-            Py::new(
-                py,
-                SweepPoint {
-                    parameter: point.parameter,
-                    attractor: found,
-                    error,
-                },
-            )
-        };
         Ok(Self {
             changes: sweep.changes().map(Change::from).collect(),
-            up: sweep.up.into_iter().map(point).collect::<PyResult<_>>()?,
-            down: sweep.down.into_iter().map(point).collect::<PyResult<_>>()?,
+            up: SweepPoint::all(py, sweep.up)?,
+            down: SweepPoint::all(py, sweep.down)?,
             stopped: sweep.stopped,
         })
     }
@@ -967,6 +971,7 @@ pub struct VibrationRanges {
     ranges: Vec<VibrationRange>,
     branches: Vec<Py<PyBranch>>,
     sweep: Option<Py<PySweep>>,
+    from_rest: Vec<Py<SweepPoint>>,
     stopped: Option<f64>,
 }
 
@@ -983,6 +988,7 @@ impl VibrationRanges {
             ranges,
             branches: Vec::new(),
             sweep: None,
+            from_rest: Vec::new(),
             stopped: None,
         })
     }
@@ -1000,6 +1006,7 @@ impl VibrationRanges {
             ranges: found.ranges.into_iter().map(range).collect(),
             branches: branches.collect::<PyResult<_>>()?,
             sweep: Some(Py::new(py, PySweep::of(py, found.sweep)?)?),
+            from_rest: SweepPoint::all(py, found.from_rest)?,
             stopped: found.stopped,
         })
     }
@@ -1022,10 +1029,15 @@ impl VibrationRanges {
     /// The branches of periodic motions; empty for a mass on a belt.
     #[getter]
     fn branches(&self, py: Python<'_>) -> Vec<Py<PyBranch>> {
-        self.branches
-            .iter()
-            .map(|branch| branch.clone_ref(py))
-            .collect()
+        let branches = self.branches.iter();
+        branches.map(|branch| branch.clone_ref(py)).collect()
+    }
+
+    /// The attractors that were reached from rest; empty for a mass on a belt.
+    #[getter]
+    fn from_rest(&self, py: Python<'_>) -> Vec<Py<SweepPoint>> {
+        let points = self.from_rest.iter();
+        points.map(|point| point.clone_ref(py)).collect()
     }
 
     /// The sweep with which the search began; None for a mass on a belt.

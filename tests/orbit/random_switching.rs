@@ -205,7 +205,7 @@ fn what_is_born_is_another_motion_that_grows_with_the_root_of_the_distance() {
             }
             // Other branches of such motions may lie near: this one turns back at the bifurcation.
             if (born.parameter - from.parameter).abs() > 1e-8 * system.force {
-                let branch = Search::new().with_max_points(70).unwrap();
+                let branch = Search::new().with_max_points(count(40, 70)).unwrap();
                 let branch = branch.follow(family, born.parameter, &born.orbit, range.clone());
                 let branch = branch.unwrap();
                 let turns = branch.bifurcations.iter().any(|found| {
