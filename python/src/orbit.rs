@@ -1034,8 +1034,8 @@ impl VibrationRanges {
     }
 
     /// The attractors that were reached from rest; empty for a mass on a belt.
-    #[getter]
-    fn from_rest(&self, py: Python<'_>) -> Vec<Py<SweepPoint>> {
+    #[getter(from_rest)]
+    fn reached_from_rest(&self, py: Python<'_>) -> Vec<Py<SweepPoint>> {
         let points = self.from_rest.iter();
         points.map(|point| point.clone_ref(py)).collect()
     }
