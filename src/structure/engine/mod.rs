@@ -310,14 +310,13 @@ impl<'s> Engine<'s> {
         Ok(settled(duration))
     }
 
-    /// True for a step that a creeping contact makes shorter than the resolution of time.
+    /// True for a step that a contact makes shorter than the resolution of time, within which it
+    /// would settle.
     fn is_below_resolution(&self, settled: &AcceptedStep) -> bool {
         let (plan, mut fired) = (&self.control.plan, self.firings.contacts.iter());
+        let mut contacts = std::iter::zip(&plan.stiff, &self.series.contacts);
         settled.duration < plan.resolution
-            && plan
-                .stiff
-                .iter()
-                .any(|rate| rate * plan.resolution > SETTLED)
+            && contacts.any(|(rate, of)| of.settling == 0.0 && rate * plan.resolution > SETTLED)
             && settled.at_break.is_none()
             && (self.idle > 0 || !fired.any(Option::is_some))
     }
