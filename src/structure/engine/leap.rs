@@ -69,31 +69,24 @@ pub(super) fn leap(
     to_break: f64,
     firings: &mut Firings,
 ) -> Option<f64> {
-    let slopes = series.contacts.iter().map(|of| of.slope.abs());
-    let slopes: Vec<f64> = slopes.collect();
-    let mut from: Vec<f64> = situation.contacts.iter().map(|of| of.relative()).collect();
-    let mut leap = Leap::new(model, situation, series, &slopes)?;
-    let mut found = leap.ends(plan, to_break, &from);
-    for _ in 1..CHOICES {
-        let Err(Some(last)) = &found else {
-            break;
-        };
-        for slip in &leap.slips {
-            from[slip.contact] = slip.relative(last);
-        }
-        leap = Leap::new(model, situation, series, &leap.slopes(&from))?;
-        found = leap.ends(plan, to_break, &from);
-    }
-    let (ends, duration) = found.ok()?;
+    let (leap, ends, duration) = found(model, situation, series, plan, to_break)?;
+    // By how much implicit changes differ from r' h.
+    let rates = std::iter::zip(&ends.changes, &leap.rates);
+    let changes: Vec<f64> = rates
+        .map(|(change, rate)| change - rate * duration)
+        .collect();
     let Leap {
         directions, slips, ..
     } = leap;
+    let motions = series.coordinates.iter().map(|of| &of.motion);
+    let accelerations: Vec<f64> = motions.map(|motion| motion.velocity(1)).collect();
     series.keep(1);
-    for &i in &model.shared_coordinates {
-        let changes = ends.changes.iter().enumerate();
-        let changes = changes.map(|(k, change)| change * directions.column(k)[i]);
+    for (i, acceleration) in accelerations.into_iter().enumerate() {
+        let change = changes.iter().enumerate();
+        let change = change.map(|(k, change)| change * directions.column(k)[i]);
         let motion = &mut series.coordinates[i].motion;
-        motion.set_velocity(0, motion.velocity(0) + changes.sum::<f64>());
+        motion.set_velocity(0, motion.velocity(0) + change.sum::<f64>());
+        motion.set_velocity(1, acceleration);
     }
     *firings = Firings::default();
     firings.contacts.resize(model.contacts.len(), None);
@@ -118,6 +111,53 @@ pub(super) fn leap(
     Some(duration)
 }
 
+/// The contacts in slip, their velocities after the resolution of time, and that time.
+fn found<'a, 's>(
+    model: &'a Model<'s>,
+    situation: &'a Situation,
+    series: &'a Series,
+    plan: &Plan,
+    to_break: f64,
+) -> Option<(Leap<'a, 's>, Velocities, f64)> {
+    let start: Vec<f64> = situation.contacts.iter().map(|of| of.relative()).collect();
+    let mut from = start.clone();
+    let slopes = series.contacts.iter().map(|of| of.slope.abs());
+    let mut slopes: Vec<f64> = slopes.collect();
+    for _ in 0..CHOICES {
+        let leap = Leap::new(model, situation, series, &slopes)?;
+        let ends = leap.ends(plan, to_break, &from);
+        let last = match &ends {
+            Ok((ends, _)) => &ends.relative,
+            Err(last) => last.as_ref()?,
+        };
+        for slip in &leap.slips {
+            from[slip.contact] = slip.relative(last);
+        }
+        // Friction that holds a contact at rest is no function of r.
+        let stops = |c: usize| {
+            let may_stick = situation.contacts[c].limits.is_some() && start[c] != 0.0;
+            let arrives = match &ends {
+                Ok(_) => from[c] * start[c] < 0.0,
+                Err(_) => start[c].abs() <= plan.resolution * plan.sizes[c],
+            };
+            may_stick && arrives
+        };
+        let stop = leap.slips.iter().map(|slip| slip.contact);
+        let stop: Vec<usize> = stop.filter(|&c| stops(c)).collect();
+        match ends {
+            Ok((ends, duration)) if stop.is_empty() => {
+                return Some((leap, ends, duration));
+            }
+            Ok(_) => {}
+            Err(_) => slopes = leap.slopes(&from),
+        }
+        for c in stop {
+            slopes[c] = f64::INFINITY;
+        }
+    }
+    None
+}
+
 /// A contact in slip.
 struct Slipping {
     contact: usize,
@@ -138,8 +178,9 @@ struct Leap<'a, 's> {
     model: &'a Model<'s>,
     situation: &'a Situation,
     series: &'a Series,
-    /// The independent directions among theirs.
+    /// The independent directions among theirs, and whether the contact along each comes to rest.
     directions: Directions,
+    stops: Vec<bool>,
     slips: Vec<Slipping>,
     /// r and r' along the directions at the start.
     start: Vec<f64>,
@@ -150,7 +191,7 @@ struct Leap<'a, 's> {
 }
 
 impl<'a, 's> Leap<'a, 's> {
-    /// The contacts in slip; the steepest are independent.
+    /// The contacts in slip; the steepest are independent. Those of infinite slope come to rest.
     fn new(
         model: &'a Model<'s>,
         situation: &'a Situation,
@@ -191,8 +232,10 @@ impl<'a, 's> Leap<'a, 's> {
             })
         };
         let slips: Option<Vec<Slipping>> = all.into_iter().map(slipping).collect();
+        let stops = directions.contacts.iter();
         Some(Self {
             slips: slips?,
+            stops: stops.map(|&c| slopes[c] == f64::INFINITY).collect(),
             model,
             situation,
             series,
@@ -238,6 +281,10 @@ impl<'a, 's> Leap<'a, 's> {
         let mut slopes = vec![0.0; relative.len()];
         for &Slipping { contact, .. } in &self.slips {
             slopes[contact] = self.slope(contact, relative[contact]).abs();
+        }
+        let stops = std::iter::zip(&self.directions.contacts, &self.stops);
+        for (&contact, _) in stops.filter(|(_, stops)| **stops) {
+            slopes[contact] = f64::INFINITY;
         }
         slopes
     }
@@ -287,6 +334,11 @@ impl<'a, 's> Leap<'a, 's> {
             leap: self,
             resistance,
         };
+        let moving = (0..inertia.len()).filter(|&k| !self.stops[k]);
+        let moving: Vec<usize> = moving.collect();
+        for k in (0..inertia.len()).filter(|&k| self.stops[k]) {
+            velocities.set(k, 0.0, self.start[k]);
+        }
         for _ in 0..MOST {
             let Some(corrections) = balance.corrections(&velocities) else {
                 break;
@@ -303,7 +355,7 @@ impl<'a, 's> Leap<'a, 's> {
             if balance.left(&corrected) < NEAR * balance.left(&velocities) {
                 velocities = corrected;
             } else {
-                for k in 0..inertia.len() {
+                for &k in &moving {
                     balance.solve_one(k, &mut velocities).ok_or(None)?;
                 }
             }
@@ -362,7 +414,6 @@ impl<'a, 's> Leap<'a, 's> {
         for k in 0..size {
             let (start, end) = (self.start[k], ends.relative[k]);
             if (end - start).abs() <= ROUNDING * start.abs() {
-                ends.set(k, start, start);
                 continue;
             }
             // Its way is less than rounding in terms of the forces that change the speed.
@@ -440,7 +491,8 @@ impl Balance<'_, '_, '_> {
 
     /// The largest of what is left.
     fn left(&self, velocities: &Velocities) -> f64 {
-        let left = (0..velocities.relative.len()).map(|k| self.residual(k, velocities).abs());
+        let moving = std::iter::zip(0.., &self.leap.stops).filter(|(_, stops)| !**stops);
+        let left = moving.map(|(k, _)| self.residual(k, velocities).abs());
         left.fold(0.0, f64::max)
     }
 
@@ -463,11 +515,20 @@ impl Balance<'_, '_, '_> {
     /// Newton's corrections of all velocities.
     fn corrections(&self, velocities: &Velocities) -> Option<DVector<f64>> {
         let mut matrix = self.slopes(velocities);
+        let stops = |k: usize| self.leap.stops[k];
+        for k in (0..matrix.nrows()).filter(|&k| stops(k)) {
+            matrix.row_mut(k).fill(0.0);
+            matrix.column_mut(k).fill(0.0);
+            matrix[(k, k)] = 1.0;
+        }
         let scales = matrix.diagonal().abs();
         for (mut column, scale) in std::iter::zip(matrix.column_iter_mut(), &scales) {
             column /= *scale;
         }
-        let mut corrections = DVector::from_fn(scales.len(), |k, _| self.residual(k, velocities));
+        let mut corrections = DVector::from_fn(scales.len(), |k, _| match stops(k) {
+            true => 0.0,
+            false => self.residual(k, velocities),
+        });
         if !matrix.lu().solve_mut(&mut corrections) {
             return None;
         }

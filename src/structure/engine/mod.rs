@@ -83,10 +83,12 @@ use std::sync::Arc;
 
 pub(crate) use check_start::check_sizes;
 pub(super) use check_start::check_start;
+use contact_series::ContactSeries;
+use coordinate_series::ALL;
 use edge::{Edge, side_of};
 use elements::singular_force;
 use events::{Firings, events_between, first_firings, go_through};
-use expand::expand_drives;
+use expand::{expand, expand_drives};
 use factor::ROUNDING;
 use limits::larger_finite;
 use mechanisms::Mechanism;
@@ -334,7 +336,21 @@ impl<'s> Engine<'s> {
             firings,
             ..
         } = self;
-        let duration = leap::leap(model, situation, series, &control.plan, to_break, firings)?;
+        let is_slow = |of: &ContactSeries| of.settling > 0.0 || of.relaxation > 0.0;
+        // Rates off the slow manifold are those of the explicit series.
+        let slow = series.contacts.iter().any(is_slow).then(|| series.clone());
+        if slow.is_some() {
+            series.forget_slow();
+            // This is the expansion before that of the slow manifold, so it has no fault.
+            let _ = expand(model, situation, series, ALL);
+        }
+        let found = leap::leap(model, situation, series, &control.plan, to_break, firings);
+        let Some(duration) = found else {
+            if let Some(slow) = slow {
+                *series = slow;
+            }
+            return None;
+        };
         control.longest = f64::INFINITY;
         Some(AcceptedStep {
             duration,

@@ -82,6 +82,13 @@ impl Series {
         self.elements.iter().any(|of| of.acts)
     }
 
+    /// Contacts are no longer on slow manifolds.
+    pub(super) fn forget_slow(&mut self) {
+        for contact in &mut self.contacts {
+            (contact.relaxation, contact.settling) = (0.0, 0.0);
+        }
+    }
+
     /// Drops all orders from the first one on at which a coefficient overflows, or bounds of a
     /// series do; returns their number.
     #[cold]

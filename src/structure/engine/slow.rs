@@ -121,9 +121,7 @@ pub(super) fn relax(
         return trial.best;
     }
     if trial.of_memories || trial.of_speeds {
-        for contact in &mut series.contacts {
-            (contact.relaxation, contact.settling) = (0.0, 0.0);
-        }
+        series.forget_slow();
         // This is the expansion as it was before, so it has no fault.
         let _ = expand(model, situation, series, ALL);
         let (tolerance, plan) = (control.tolerance, &mut control.plan);

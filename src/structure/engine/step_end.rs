@@ -60,10 +60,11 @@ pub(super) fn land(
     let fires_alone = firings.contacts.iter().flatten().count() == 1;
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
         let firing = firing.take().map(|(_, firing)| firing);
+        let is_slow = series.contacts[c].settling > 0.0;
         series.contacts[c].relaxation = 0.0;
         series.contacts[c].settling = 0.0;
         // In all other cases nothing has changed for this contact since its mode was decided.
-        if h > 0.0 || jumps || firing.is_some() {
+        if h > 0.0 || jumps || is_slow || firing.is_some() {
             let jumps = (jumps, !fires_alone && model.owner_of(c).is_none());
             let fired = land_contact(model, situation, series, c, firing, (settled, jumps));
             if fired && disturbance == Disturbance::None {
