@@ -13,6 +13,10 @@ use super::map::vector;
 /// Largest departure of a symmetric motion, in units of its extents.
 const SYMMETRIC: f64 = 1e-7;
 
+/// What a motion with a symmetry misses of it at most, as a part of what others miss. Near a Hopf
+/// point all motions become mirror images of themselves as they shrink, but in proportion.
+const VANISHING: f64 = 1e-3;
+
 /// Distance of the neighbour that decides whether a whole piece of the curve is symmetric, as a
 /// part of the piece.
 const BESIDE: f64 = 0.1;
@@ -31,14 +35,16 @@ impl LocalCurve<'_, '_> {
     pub(super) fn gained_symmetry(&self, from: &CurvePoint, to: &CurvePoint) -> Option<usize> {
         let curve = self.curve;
         let [before, after] = [from, to].map(|place| departures(curve, &place.solved));
-        let mut pairs = std::iter::zip(before, after);
-        let gained = pairs.position(|(before, after)| before > SYMMETRIC && after <= SYMMETRIC)?;
+        let vanishes = |missed: f64, before: f64| missed <= SYMMETRIC.min(VANISHING * before);
+        let mut pairs = std::iter::zip(&before, &after);
+        let gained =
+            pairs.position(|(&before, &after)| before > SYMMETRIC && vanishes(after, before))?;
         let along = &to.solved.tangent;
         let back = -BESIDE * (to.distance - from.distance);
         let guess = &to.solved.y + along.component_mul(self.scale) * back;
         let plane = self.across(&to.solved, along, back);
         let beside = curve.solve(&guess, &to.solved, &plane).ok()?;
-        (departures(curve, &beside)[gained] <= SYMMETRIC).then_some(gained)
+        vanishes(departures(curve, &beside)[gained], before[gained]).then_some(gained)
     }
 
     /// The number of the change of events, of those found between two points, at which the motions

@@ -762,11 +762,9 @@ fn structures_that_are_thrown_move_on() {
             };
             let moves = at[1].is_none() && random.bits().is_multiple_of(2);
             let contact = contact.unwrap().on_belt(if moves { plate } else { 0.0 });
-            if creeps {
-                if random.bits().is_multiple_of(2) {
-                    let side = random.uniform(-1.0, 1.0).signum();
-                    sliding.push((contacts, side * random.logarithmic(1e-25, 1.0)));
-                }
+            if creeps && random.bits().is_multiple_of(2) {
+                let side = random.uniform(-1.0, 1.0).signum();
+                sliding.push((contacts, side * random.logarithmic(1e-25, 1.0)));
             }
             memory.push(match creeps {
                 true => random.uniform(-20.0, 100.0),
