@@ -725,8 +725,8 @@ fn masses_that_share_a_contact_move_the_same_in_either_order() {
 }
 
 /// Structures of one to three masses with creeping contacts of any memory, on plates, on the ground
-/// and between masses, some beside Coulomb's friction, thrown at speeds of 25 decades against strong
-/// springs: each motion goes on, and its energies balance.
+/// and between masses, some beside Coulomb's friction, thrown at speeds of 25 decades against
+/// strong springs: each motion goes on, and its energies balance.
 #[test]
 fn structures_that_are_thrown_move_on() {
     const STEPS: usize = 2000;
