@@ -182,8 +182,11 @@ impl Search<'_> {
         let down = values.iter().rev().map(|&value| (value, false));
         for (parameter, rises) in values.iter().map(|&value| (value, true)).chain(down) {
             watched.at(parameter);
-            let found = self.reached(&family, parameter, &start, &watched);
+            let system = family(parameter);
+            let has_system = system.is_ok();
+            let found = system.and_then(|system| self.reached(&system, &start, &watched));
             if let Err(error) = &found
+                && has_system
                 && is_given
                 && is_of_start(error)
             {
@@ -212,19 +215,19 @@ impl Search<'_> {
         Ok(sweep)
     }
 
-    /// The attractors that motions from rest reach at some values of a parameter, up to the value
-    /// at which the watcher stops the search.
+    /// The attractors that motions from this state of rest reach at some values of a parameter, up
+    /// to the value at which the watcher stops the search.
     pub(super) fn reached_from_rest<S: Oscillator>(
         &self,
         family: &Systems<'_, S>,
         values: &[f64],
+        rest: &State,
     ) -> Vec<SweepPoint<S::State>> {
         let watched = self.watch("parameter");
         let mut points = Vec::new();
         for &parameter in values {
             watched.at(parameter);
-            let rest = family(parameter).map(|system| State::at_rest(system.form().len()));
-            let found = rest.and_then(|rest| self.reached(family, parameter, &rest, &watched));
+            let found = family(parameter).and_then(|system| self.reached(&system, rest, &watched));
             if watched.is_stopped() {
                 break;
             }
@@ -238,17 +241,15 @@ impl Search<'_> {
         points
     }
 
-    /// The attractor that a motion reaches at a value of the parameter, and a state there.
+    /// The attractor that a motion of a system reaches, and a state there.
     fn reached<S: Oscillator>(
         &self,
-        family: &Systems<'_, S>,
-        parameter: f64,
+        system: &S,
         start: &State,
         watched: &Watched<'_>,
     ) -> Result<(Attractor<S::State>, State), Error> {
-        let system = family(parameter)?;
         let form = system.form().within(self.steps(), watched);
-        let found = settled(&system, &form, start);
+        let found = settled(system, &form, start);
         watched.add(form.taken());
         found
     }

@@ -54,12 +54,15 @@ impl LocalCurve<'_, '_> {
         (from, to): (&CurvePoint, &CurvePoint),
         found: &[FoundBifurcation],
     ) -> Option<usize> {
+        let changes = [BifurcationKind::Grazing, BifurcationKind::Sequence];
+        let is_change = |found: &FoundBifurcation| changes.contains(&found.kind);
+        if !found.iter().any(is_change) {
+            return None;
+        }
         let gained = self.gained_symmetry(from, to)?;
         let before = departures(self.curve, &from.solved);
         let birth = found.iter().position(|found| {
-            let changes = [BifurcationKind::Grazing, BifurcationKind::Sequence];
-            let missed = departures(self.curve, &found.solved)[gained];
-            changes.contains(&found.kind) && missed <= JUMP
+            is_change(found) && departures(self.curve, &found.solved)[gained] <= JUMP
         })?;
         // All systems of the family have the symmetries in time.
         let is_in_time = gained + 1 < before.len();

@@ -247,6 +247,15 @@ fn sweeps_are_bounded_watched_and_go_on_behind_errors() {
     };
     assert_eq!((*value, found.up[1].kind()), (0.3, None));
     assert_eq!(found.up[2].kind(), Some(AttractorKind::StickSlip));
+    // The first value has no system, for a number that its constructor refuses.
+    let family = |velocity: f64| {
+        Coulomb::new(velocity, 0.25)?;
+        exponential(velocity)
+    };
+    let found = sweep(family, &values, &start).unwrap();
+    let error = found.up[0].attractor.as_ref().unwrap_err();
+    assert!(matches!(error, Error::At { value: 0.2, .. }), "{error}");
+    assert_eq!(found.up[1].kind(), Some(AttractorKind::StickSlip));
     // Too little work for each value, and a watcher.
     let few = Search::new().with_max_steps(20).unwrap();
     let found = few.sweep(exponential, &values, &start).unwrap();

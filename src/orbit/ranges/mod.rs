@@ -173,11 +173,11 @@ impl Search<'_> {
                 .collect()
         };
         let first = family(start).map_err(|error| error.at("parameter", start))?;
-        let rest = S::State::of_general(&State::at_rest(first.form().len()));
-        let sweep = search.sweep(family, &places(SWEPT), &rest)?;
+        let rest = State::at_rest(first.form().len());
+        let sweep = search.sweep(family, &places(SWEPT), &S::State::of_general(&rest))?;
         let steady = steady_along(family, &places(INTERVALS));
         let systems = systems(family, &places(INTERVALS));
-        let mut from_rest = search.reached_from_rest(family, &places(SWEPT)[1..]);
+        let mut from_rest = search.reached_from_rest(family, &places(SWEPT)[1..], &rest);
         let mut branches: Vec<Branch<S::State>> = Vec::new();
         let swept = sweep.up.iter().chain(&sweep.down).chain(&from_rest);
         let swept = swept.filter_map(|point| {
@@ -247,7 +247,7 @@ impl Search<'_> {
                     stopped: stopped.get(),
                 });
             }
-            let tried = search.reached_from_rest(family, &empty);
+            let tried = search.reached_from_rest(family, &empty, &rest);
             for point in &tried {
                 if let Some(orbit) = point.attractor.as_ref().ok().and_then(Attractor::orbit) {
                     let found = (point.parameter, orbit);

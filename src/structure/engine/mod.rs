@@ -57,6 +57,7 @@ pub(crate) mod first_order;
 mod first_orders;
 mod group_series;
 mod groups;
+mod implicit;
 pub(crate) mod instant;
 mod leap;
 pub(super) mod limits;
