@@ -7,7 +7,7 @@
 // | `forward.rs` | `Forward`: a system whose belt moves forward |
 // | `equilibrium.rs` | steady sliding and its stability |
 // | `slip_point.rs` | how each kind of slip begins (the power series of slip: `friction/slip.rs`) |
-// | `slow.rs` | the power series of the slow manifold in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
+// | `slow_manifold.rs` | the power series of the slow manifold in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
 // | `defect.rs` | the residual of the equation of motion, and where it is checked |
 // | `breakpoints.rs` | pieces of the law, and where a step leaves one |
 // | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle, land |
@@ -25,7 +25,7 @@ mod model;
 #[cfg(feature = "serde")]
 mod read;
 mod slip_point;
-mod slow;
+mod slow_manifold;
 mod step;
 mod stepper;
 mod system;

@@ -1,8 +1,8 @@
 //! The two sides of a change of events, and their approach to it.
 
 use super::curve::FINE;
+use super::event_sequence::{Nearness, Sequence};
 use super::local_curve::CurvePoint;
-use super::sequence::{Nearness, Sequence};
 
 /// The points on the two sides that are known to be nearest to a change of events.
 ///

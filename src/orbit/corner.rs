@@ -4,10 +4,10 @@
 
 use nalgebra::DVector;
 
-use super::changes::{FoundBifurcation, JUMP};
+use super::bifurcations::{FoundBifurcation, JUMP};
 use super::curve::Solved;
+use super::event_sequence::Sequence;
 use super::local_curve::{CurvePoint, LocalCurve};
-use super::sequence::Sequence;
 use super::trial::TrialMotion;
 
 /// Distances from the corner, in parts of the range, at which a motion on the other piece is

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::branch::BranchEnd;
+use super::event_sequence::Sequence;
 use super::form::GeneralForm;
 use super::map::run::period_map;
 use super::map::{CLOSED, PeriodMap, vector};
@@ -18,7 +19,6 @@ use super::passage::{Events, events_of, held_steps};
 use super::period::Period;
 use super::periodic_orbit::Closed;
 use super::phase_condition::FrozenStart;
-use super::sequence::Sequence;
 use super::spectrum::spectrum;
 use super::trial::TrialMotion;
 use crate::error::Error;

@@ -1,8 +1,8 @@
 //! Discontinuities: up to one event the motions on both sides of a border are the same, and
 //! afterwards they differ. Or they differ by a slip that no other slip takes back.
 
+use super::bifurcations::JUMP;
 use super::branch::BranchEnd;
-use super::changes::JUMP;
 use super::local_curve::LocalCurve;
 use super::map::PeriodMap;
 use super::unslipped::slips_one_way;

@@ -28,7 +28,7 @@
 // | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
 // | `local_curve.rs` | the curve near one of its points |
 // | `walk.rs` | steps along the curve, and its ends |
-// | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
+// | `bifurcations.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
 // | `approach.rs` | the two sides of a change of events, brought together in few motions |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `half_map.rs` | symmetric motions: the map over half a period |
@@ -41,7 +41,7 @@
 // | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
-// | `sequence.rs` | the events of a period as a cyclic sequence |
+// | `event_sequence.rs` | the events of a period as a cyclic sequence |
 // | `poincare.rs` | `section`, `section_at`, `section_through`: Poincaré sections |
 // | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences (`variation.rs`) between motions with the same events, in any order if they happen at one instant (`neighbour.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
@@ -203,13 +203,14 @@
 mod along;
 mod approach;
 mod attractor;
+mod bifurcations;
 mod branch;
-mod changes;
 mod coefficient;
 mod corner;
 mod course;
 mod curve;
 mod elements;
+mod event_sequence;
 mod family;
 mod follow;
 mod form;
@@ -237,7 +238,6 @@ mod poincare;
 mod ranges;
 mod saltation;
 mod sensitivity;
-mod sequence;
 mod settling;
 mod shoot;
 mod spectrum;

@@ -13,7 +13,7 @@ use super::linear::Linear;
 use crate::motion::step_control::SETTLING;
 use crate::structure::engine::directions::Directions;
 use crate::structure::engine::model::Model;
-use crate::structure::engine::slow::{CLOSE, INNER, MOST_PASSES};
+use crate::structure::engine::slow_manifold::{CLOSE, INNER, MOST_PASSES};
 
 /// The contacts that settle along a step.
 pub(super) struct Settling<'m> {

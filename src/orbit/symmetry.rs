@@ -3,8 +3,8 @@
 
 use nalgebra::DVector;
 
+use super::bifurcations::{FoundBifurcation, JUMP};
 use super::branch::BifurcationKind;
-use super::changes::{FoundBifurcation, JUMP};
 use super::curve::{Curve, Solved};
 use super::half_map::{Balance, HalfMap};
 use super::local_curve::{CurvePoint, LocalCurve};

@@ -2,15 +2,15 @@
 
 use nalgebra::DVector;
 
+use super::bifurcations::{Changes, FoundBifurcation, Signs};
 use super::branch::{BifurcationKind, BranchEnd};
-use super::changes::{Changes, FoundBifurcation, Signs};
 use super::curve::{Curve, Solved};
+use super::event_sequence::Sequence;
 use super::jump::LARGE;
 use super::local_curve::{CurvePoint, LocalCurve};
 use super::locus::end::tangential_end;
 use super::periodic_orbit::Closed;
 use super::phase_condition::FrozenStart;
-use super::sequence::Sequence;
 use super::spectrum::hopf_point;
 use crate::error::Error;
 use crate::motion::Segment;

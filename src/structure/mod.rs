@@ -8,6 +8,7 @@
 // | `direction.rs` | checks of directions |
 // | `engine` | one step of a motion |
 // | `flow.rs`, `step.rs`, `sample.rs` | the motion step by step; `Step`; samples with forces |
+// | `trigger.rs` | `EventData`, `Trigger`: the conditions of the events at the end of a step |
 // | `carried.rs` | `Carried`: the friction force of a contact, or its range |
 // | `mechanism.rs` | `Mechanism`: a way in which contacts at rest can begin to slip |
 // | `energy.rs` | energies, work and heat |
@@ -161,6 +162,7 @@ mod steady_at;
 mod step;
 mod stop;
 mod system;
+mod trigger;
 
 pub use carried::Carried;
 pub use contact::Contact;
@@ -173,9 +175,9 @@ pub use sample::Sample;
 pub use stability_changes::StabilityChange;
 pub use steady::SteadySliding;
 pub use step::Step;
-pub(crate) use step::Trigger;
 pub use stop::Stop;
 pub use system::Structure;
+pub(crate) use trigger::Trigger;
 
 pub use crate::error::{Element, NotSliding};
 pub use crate::state::structure::State;

@@ -596,8 +596,8 @@ fn one_mass_goes_on_from_any_of_its_states_in_any_unit() {
     assert!(stuck > 3 * count(15, 150), "{stuck}");
 }
 
-/// The phases of drives differ by rounding of the time, so that an elastic contact in slip may carry
-/// a little more than its limit.
+/// The phases of drives differ by rounding of the time, so that an elastic contact in slip may
+/// carry a little more than its limit.
 #[test]
 fn a_state_after_many_periods_is_a_start_at_time_zero() {
     let mut random = Random::new(205);

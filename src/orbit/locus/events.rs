@@ -15,11 +15,11 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::super::event_sequence::Sequence;
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, Touch};
 use super::super::map::{CLOSED, vector};
 use super::super::phase_condition::FrozenStart;
-use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::change::{Change, margin};
 use super::curve_of_motions::CurveOfMotions;

@@ -8,6 +8,7 @@ use std::cell::Cell;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::super::event_sequence::Sequence;
 use super::super::form::GeneralForm;
 use super::super::half_map::{Balance, HalfMap};
 use super::super::map::run::held_period_map;
@@ -16,7 +17,6 @@ use super::super::oscillator::FamilyOfTwo;
 use super::super::passage::{StepsAndTouches, events_of, held_steps};
 use super::super::period::Period;
 use super::super::phase_condition::FrozenStart;
-use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use crate::error::Error;
 use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};

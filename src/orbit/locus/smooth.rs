@@ -16,12 +16,12 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::super::event_sequence::Sequence;
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then};
 use super::super::map::{CLOSED, vector};
 use super::super::passage::events_of;
 use super::super::phase_condition::FrozenStart;
-use super::super::sequence::Sequence;
 use super::super::trial::TrialMotion;
 use super::bordered::Bordered;
 use super::change::Change;

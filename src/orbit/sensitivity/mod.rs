@@ -1,15 +1,15 @@
 //! Derivatives with respect to parameters: of motions, of the times of events, and of periodic
 //! motions.
 
+mod differences;
 mod neighbour;
-mod variation;
 
 use std::cell::{Cell, RefCell};
 
 use nalgebra::{DMatrix, DVector};
 
+use self::differences::Variation;
 use self::neighbour::Run;
-use self::variation::Variation;
 use super::form::GeneralForm;
 use super::map::SINGULAR;
 use super::map::run::period_map;

@@ -8,7 +8,7 @@ use super::element_series::ElementSeries;
 use super::model::Model;
 use super::plan::{Plan, memory_scale};
 use super::series::Series;
-use super::slow::relaxation;
+use super::slow_manifold::relaxation;
 use super::state::{ContactState, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};

@@ -3,9 +3,9 @@
 
 use super::contact_series::ContactSeries;
 use super::edge::Edge;
+use super::element_events::{Passage, first_passage};
 use super::model::Model;
 use super::modes::Modes;
-use super::passages::{Passage, first_passage};
 use super::plan::Plan;
 use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};

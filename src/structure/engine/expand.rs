@@ -2,17 +2,17 @@
 
 use std::ops::Range;
 
-use super::alone::{expand_alone, slips_alone};
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
+use super::elastic::spring_order;
 use super::elements::{force_fault, watch};
 use super::fault::LawFault;
 use super::group_series::Waves;
 use super::model::{Model, Target};
 use super::series::Series;
 use super::shared::{is_delicate, pull, shared_order};
-use super::springs::spring_order;
+use super::single_slip::{expand_alone, slips_alone};
 use super::state::{Phase, Situation};
 use super::stiff::Stiff;
 use crate::force::stop::CLOSED;
@@ -87,8 +87,8 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// springs of contacts, force elements and first-order states, couple all masses: each order is
 /// then computed for all masses at once.
 ///
-/// Simple cases are computed by faster code, with the same result to rounding: `alone.rs` computes
-/// a single coordinate that slips while all others are held, `groups.rs` several coordinates.
+/// Simple cases are computed by faster code, with the same result to rounding: `single_slip.rs`
+/// computes a single coordinate that slips while all others are held, `groups.rs` several ones.
 /// Without the first a whole run takes 1.4 times as many instructions for one mass on a belt, and
 /// 1.05 times for two; without the second 1.4 times for two masses, and 1.6 to 1.7 times for 4 and
 /// 16. The slow manifolds and delicate edges need each order for itself.

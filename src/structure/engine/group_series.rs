@@ -19,7 +19,7 @@
 //!
 //! The load N = N_0(t) + n·q of an elastic contact acts along its normal spring, unless it is open.
 //!
-//! A memory z follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: see `slow.rs`.
+//! A memory z follows its rate, z_{k+1} = rate_k/(k + 1), or a slow manifold: `slow_manifold.rs`.
 //!
 //! The forces of force elements have groups, too: m_k is order k of F_i, whose inputs are the
 //! positions and velocities along the directions of the element, and ℓ = D m_k with a constant

@@ -16,16 +16,17 @@
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
 //! | `groups.rs`, `group_series.rs` | those of simple contacts and of force elements, four side by side: what a step begins with, and order by order |
-//! | `alone.rs` | those of a coordinate that slips while all others are held |
+//! | `single_slip.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
 //! | `instant.rs` | forces and accelerations at any time within a step |
-//! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
-//! | `springs.rs` | elastic contacts, and normal springs |
-//! | `elements.rs`, `passages.rs` | force elements and stops; where pieces of their laws meet |
+//! | `plan.rs`, `sizes.rs` | the length of a step, and the errors allowed in it |
+//! | `reach.rs`, `time_scales.rs` | how far its series reach; its unit of time, and the rates at which velocities settle |
+//! | `elastic.rs` | elastic contacts, and normal springs |
+//! | `elements.rs`, `element_events.rs` | force elements and stops; where pieces of their laws meet |
 //! | `first_order.rs`, `first_orders.rs` | first-order states: their data, and their orders |
-//! | `slow.rs`, `stiff.rs` | the slow manifold of stiff bristles, and of contacts stiff in the speed |
+//! | `slow_manifold.rs`, `stiff.rs` | the slow manifold of stiff bristles, and of contacts stiff in the speed |
 //! | `directions.rs` | the directions of such contacts |
-//! | `leap.rs` | speeds that settle within the rounding of time |
+//! | `leap.rs`, `implicit.rs` | speeds that settle within the rounding of time, by the implicit Euler method |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
 //! | `step_end.rs` | the state at the end of a step |
@@ -36,7 +37,6 @@
 //! | `programme.rs` | the programme for their forces and accelerations |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
-mod alone;
 mod check_start;
 pub(crate) mod contact;
 mod contact_orders;
@@ -46,7 +46,9 @@ mod coupling;
 mod defect;
 pub(crate) mod directions;
 mod edge;
+mod elastic;
 pub(crate) mod element;
+mod element_events;
 mod element_series;
 mod elements;
 mod events;
@@ -65,20 +67,21 @@ mod mechanisms;
 pub(crate) mod model;
 pub(crate) mod modes;
 mod modes_after;
-mod passages;
 mod plan;
 mod programme;
+mod reach;
 mod reconcile;
 mod series;
 mod shared;
 mod shared_modes;
+mod single_slip;
 mod sizes;
-pub(crate) mod slow;
+pub(crate) mod slow_manifold;
 pub(crate) mod sparse;
-mod springs;
 mod state;
 mod step_end;
 mod stiff;
+mod time_scales;
 
 use std::sync::Arc;
 
@@ -105,7 +108,8 @@ use step_end::{AcceptedStep, land};
 
 use super::carried::Carried;
 use super::mechanism;
-use super::step::{EventData, Step, Trigger};
+use super::step::Step;
+use super::trigger::{EventData, Trigger};
 use crate::clock::Clock;
 use crate::error::{Element, Error};
 use crate::friction::memory::Motion;
@@ -277,7 +281,7 @@ impl<'s> Engine<'s> {
         if !(is_finite || plan.may_drop(model)) {
             return Err(self.underflow(0.0));
         }
-        let reach = slow::relax(model, situation, series, control, explicit);
+        let reach = slow_manifold::relax(model, situation, series, control, explicit);
         // Time is a sum of two numbers.
         let resolution = if is_stiff { f64::EPSILON } else { 1.0 };
         let elapsed = resolution * situation.clock.time.abs();

@@ -9,6 +9,7 @@
 use super::contact::ContactData;
 use super::coordinate_series::ALL;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
+use super::elastic::{ask_again, cut, revise_elastic};
 use super::elements::revise_pieces;
 use super::expand::{expand, expand_further};
 use super::model::Model;
@@ -16,7 +17,6 @@ use super::reconcile::hold_left_out;
 use super::series::Series;
 use super::shared_modes::Decision;
 use super::sizes::{load_terms, terms};
-use super::springs::{ask_again, cut, revise_elastic};
 use super::state::{ContactState, Disturbance, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::motion::Mode;

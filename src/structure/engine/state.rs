@@ -2,11 +2,11 @@
 
 use super::contact::ContactData;
 use super::edge::Edge;
+use super::element_events::ElementState;
 use super::factor::{Holding, Pivot};
 use super::limits::larger_finite;
 use super::mechanisms::Mechanism;
 use super::model::Model;
-use super::passages::ElementState;
 use super::series::Series;
 use crate::clock::Clock;
 use crate::error::{Error, Reached};

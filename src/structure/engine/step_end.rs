@@ -1,13 +1,13 @@
 //! The state at the end of a step: what was integrated, and what reached zero, to the bit.
 
 use super::edge::Edge;
+use super::elastic::land_springs;
 use super::events::Firings;
 use super::expand::expand_drives;
 use super::model::Model;
 use super::modes_after::set_phase;
 use super::reconcile::{arrive_with_others, reconcile};
 use super::series::Series;
-use super::springs::land_springs;
 use super::state::{Disturbance, Entry, Firing, Phase, Situation};
 use crate::clock::Clock;
 use crate::series::PowerSeries;

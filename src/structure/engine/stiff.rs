@@ -4,7 +4,7 @@
 //! G ∂μ/∂s + c, with its compliance G and the damping c of its relative velocity, until friction
 //! balances all other forces. The motion itself may be slower by many orders of magnitude: under
 //! rate-and-state friction D is N a G/s, 1e17 per second where a fault creeps at 1e-12 m/s, and the
-//! motion takes years. An explicit step has a length of about 10/D. As in `slow.rs`, the
+//! motion takes years. An explicit step has a length of about 10/D. As in `slow_manifold.rs`, the
 //! coefficients of the slow motion are the minimal solution of their recurrence, found in passes.
 //! Here the unknown is the sliding speed s; the balance is linear in s_k for k > 0:
 //!

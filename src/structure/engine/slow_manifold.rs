@@ -5,9 +5,9 @@
 //! the masses. The length of an explicit step is then about 10/D, even if the motion is slow,
 //! because the recurrence for the coefficients z_k amplifies a deviation of z_0 by D^k/k!. The
 //! coefficients of the slow manifold are the solution that is not amplified, the minimal solution
-//! of the recurrence (see `belt/slow.rs`, where friction itself is stiff). Here the recurrence is
-//! solved for z_k instead of z_{k+1}, order by order together with the equations of the masses, in
-//! passes that begin with z_k = 0 for k > 0:
+//! of the recurrence (see `belt/slow_manifold.rs`, where friction itself is stiff). Here the
+//! recurrence is solved for z_k instead of z_{k+1}, order by order together with the equations of
+//! the masses, in passes that begin with z_k = 0 for k > 0:
 //!
 //! ```text
 //! z_k ← z_k + [rate_k(z_0 … z_k) − (k + 1) z_{k+1}]/D,    z_{k+1} of the pass before
