@@ -9,14 +9,15 @@
 //! like √|g|. Held motions are real motions at g = 0, and past a touch also for g > 0.
 
 use super::form::GeneralForm;
-use crate::clock::Clock;
 use crate::error::Error;
+use crate::motion::sealed::Part as _;
 use crate::motion::step_control::reach;
 use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::engine::contact::entry;
+use crate::structure::engine::instant::{AtContact, Forces};
 use crate::structure::{Flow, Step};
 
 use std::ops::ControlFlow;
@@ -70,23 +71,16 @@ impl Hold {
     }
 
     /// The sliding speed along a step, if the contact slips there in its direction.
-    pub(super) fn speeds(&self, form: &GeneralForm<'_>, step: &Step) -> Option<PowerSeries> {
+    pub(super) fn speeds(&self, step: &Step) -> Option<PowerSeries> {
         let slips = step.modes().get(self.contact) == Some(&Mode::Slip(self.side));
-        slips.then(|| speeds(form, step, self.contact, self.side))
+        slips.then(|| speeds(step, self.contact, self.side))
     }
 }
 
 /// The sliding speed of a contact along a step, in a direction.
-pub(super) fn speeds(
-    form: &GeneralForm<'_>,
-    step: &Step,
-    contact: usize,
-    side: Direction,
-) -> PowerSeries {
-    let contact = &form.model.contacts[contact];
-    let (velocities, surface) = (step.series(), contact.belt_velocity.series(step.clock()));
-    let speed = |k: usize| contact.along(|j| velocities[j][k]) - surface[k];
-    PowerSeries::from_fn(|k| side.sign() * speed(k))
+pub(super) fn speeds(step: &Step, contact: usize, side: Direction) -> PowerSeries {
+    let relative = step.relative_velocity(contact);
+    relative.map_or(PowerSeries::ZERO, |relative| relative.scaled(side.sign()))
 }
 
 /// The static coefficient of a contact against slip to a side, if it equals the kinetic one at
@@ -203,7 +197,7 @@ impl<'s> HeldFlow<'s> {
         };
         self.form.put_in_modes(&mut state, time, &|c| Some(mode(c)));
         if let Some(hold) = sticks {
-            self.put_on_limit(&mut state, time, hold);
+            self.put_on_limit(&mut state, step, hold);
         }
         let mut start = state.clone();
         if let Some(hold) = sticks {
@@ -238,7 +232,7 @@ impl<'s> HeldFlow<'s> {
         let mut place = 0;
         while place < self.holds.len() {
             let (hold, falling) = self.holds[place];
-            let Some(speeds) = hold.speeds(self.form, &step) else {
+            let Some(speeds) = hold.speeds(&step) else {
                 self.holds[place].1 = 0.0;
                 place += 1;
                 continue;
@@ -327,61 +321,50 @@ impl<'s> HeldFlow<'s> {
     ///
     /// After this time the force stays below the limit; otherwise the real contact would not stick
     /// either.
-    fn put_on_limit(&self, state: &mut State, time: f64, hold: Hold) {
+    fn put_on_limit(&self, state: &mut State, step: &Step, hold: Hold) {
         let model = &self.form.model;
-        let (contact, sign) = (&model.contacts[hold.contact], hold.side.sign());
+        let contact = &model.contacts[hold.contact];
         let Some(limit) = common_limit(self.form, hold.contact, hold.side, state) else {
             return;
         };
         let Some(i) = model.owner_of(hold.contact) else {
             return;
         };
-        let mut stiffness = model.stiffness.row(i).0;
-        let load =
-            |c: usize| model.load_at(c, time, |j| state.displacements[j], |j| state.velocities[j]);
-        let mut terms = vec![
-            model.forces[i].value(time) * contact.compliance,
-            -contact.belt_velocity.series(Clock::at(time))[1],
-            -sign * limit * load(hold.contact) * contact.compliance,
-        ];
-        let rows = [
-            (&model.stiffness, &state.displacements),
-            (&model.damping, &state.velocities),
-        ];
-        for (matrix, numbers) in rows {
-            let (own, beside) = matrix.row(i);
-            terms.push(-own * numbers[i]);
-            terms.extend(beside.iter().map(|&(j, a)| -a * numbers[j]));
-        }
-        for (c, contact) in model.contacts.iter().enumerate() {
-            let own = contact.reaction.iter().filter(|(j, _)| *j == i);
-            terms.extend(own.map(|(_, y)| -y * load(c)));
-        }
-        for (number, data) in model.first_order.iter().enumerate() {
-            let value = model.position(state, model.len() + number);
-            terms.push(entry(&data.responses, i) * value);
-        }
-        for element in model.forces_and_stops() {
-            let factor = element.factor.value(time);
+        let at = Forces::of(model, step).beside(step.duration(), state.clone());
+        let AtContact { load, carried, .. } = at.contacts[hold.contact];
+        let friction = hold.side.sign() * limit * load;
+        let rate = at.accelerations[i] + contact.compliance * (carried - friction);
+        let beyond = rate
+            - contact
+                .belt_velocity
+                .series(step.clock())
+                .slope_at(step.duration());
+        let gradient = entry(&contact.load_gradient, i);
+        let by_load = hold.side.sign() * limit * gradient * contact.compliance;
+        let mut stiffness = model.stiffness.row(i).0 + by_load;
+        for (e, element) in model.forces_and_stops().enumerate() {
             let tangent = element.tangent(&state.displacements, &state.velocities);
-            for (k, response) in element.responses.iter().enumerate() {
-                let push = factor * entry(response, i);
-                terms.push(-push * tangent.forces[k]);
-                let slopes = std::iter::zip(&*element.directions, &tangent.slopes);
-                let slopes = slopes.map(|(direction, slopes)| entry(direction, i) * slopes[k]);
-                stiffness += push * slopes.sum::<f64>();
+            let slopes = std::iter::zip(&*element.directions, &tangent.slopes);
+            for (direction, slopes) in slopes {
+                for (response, slope) in std::iter::zip(&element.responses, slopes) {
+                    let push = at.elements[e].factor[0] * entry(response, i);
+                    stiffness += push * entry(direction, i) * slope;
+                }
             }
         }
-        if stiffness == 0.0 {
-            return;
+        for (contact, mode) in std::iter::zip(&model.contacts, step.modes()) {
+            if *mode != Mode::Open {
+                stiffness += entry(&contact.reaction, i) * entry(&contact.load_gradient, i);
+            }
         }
-        let beyond: f64 = terms.iter().sum();
-        state.displacements[i] += beyond / stiffness;
+        if stiffness != 0.0 {
+            state.displacements[i] += beyond / stiffness;
+        }
     }
 
     /// A time of a step behind a touch at a time of it, when the contact slips again as before.
     fn past(&self, step: &Step, hold: &Hold, touch: f64) -> f64 {
-        let speeds = speeds(self.form, step, hold.contact, hold.side);
+        let speeds = speeds(step, hold.contact, hold.side);
         let below = touch - step.duration();
         let times = [2.0, 3.0, 4.0].map(|part| touch + part * below);
         let mut slips = times.into_iter().filter(|t| speeds.at(*t) > 0.0);

@@ -313,6 +313,18 @@ impl PeriodMap {
         (matrix, self.closing_by(&self.residual(), unknowns))
     }
 
+    /// Sets the column behind those of the state: the change of the end with the period, in a unit
+    /// of time. What is kept does not depend on the period.
+    pub(super) fn close_by_period(&self, matrix: &mut DMatrix<f64>, unit: f64) {
+        let (order, sizes) = (self.order(), self.sizes());
+        for i in 0..order {
+            matrix[(i, order)] = self.flow[1][i] * (unit / sizes[i]);
+        }
+        for row in self.kept() {
+            matrix[(row, order)] = 0.0;
+        }
+    }
+
     /// The Newton equations in units of the sizes. For an autonomous motion the relative increment
     /// of the period follows, in the unit that is returned, with the condition that the start stays
     /// on a plane with this normal.
@@ -328,13 +340,9 @@ impl PeriodMap {
         if let Some(normal) = normal {
             let largest = normal.component_mul(&sizes).amax();
             for i in 0..order {
-                matrix[(i, order)] = self.flow[1][i] * period / sizes[i];
                 matrix[(order, i)] = normal[i] * sizes[i] / largest;
             }
-            // What is kept does not depend on the period.
-            self.kept()
-                .into_iter()
-                .for_each(|row| matrix[(row, order)] = 0.0);
+            self.close_by_period(&mut matrix, period);
             // Close to an equilibrium the flow is small, but the period is determined as well as
             // elsewhere.
             let largest = matrix.column(order).amax();

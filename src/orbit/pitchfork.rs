@@ -83,8 +83,7 @@ impl LocalCurve<'_, '_> {
             let sizes = image.sizes();
             let (mut matrix, mut right) = image.closing(&sizes, own);
             if let Some(condition) = &begin.condition {
-                let late = image.flow[1].component_div(&sizes) * period;
-                matrix.view_mut((0, order), (order, 1)).copy_from(&late);
+                image.close_by_period(&mut matrix, period);
                 for j in 0..order {
                     matrix[(order, j)] = condition.normal[j] * sizes[j];
                 }

@@ -60,7 +60,7 @@ impl Structure {
             energies.of_contact(c, carried.copied().unwrap_or(0.0))
                 + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
         });
-        let elements = model.force_elements().iter().map(|element| {
+        let elements = model.forces_and_stops().map(|element| {
             let energy = element.potential(&|j| state.displacements[j]);
             element.factor.value(time) * energy
         });

@@ -238,6 +238,33 @@ fn stick_slip_with_dwell_ends_at_the_folds_of_the_reference() {
     }
 }
 
+/// A slider that slips all the time pulls with a constant force, which shifts every motion of the
+/// mass and changes nothing else.
+#[test]
+fn an_end_does_not_depend_on_forces_beside_the_contact() {
+    let form = |law| Dwell::exponential(law, 0.6, 2.0);
+    let mass = |velocity: f64| dwelling([0.05, 0.3, 0.3], &form, velocity);
+    let slider = || {
+        let contact = Contact::new(0, Coulomb::new(0.4, 0.4)?, 1.0)?.on_belt(9.0);
+        contact.with_tangential_stiffness(3.0)
+    };
+    let end = |family: &dyn Fn(f64) -> Result<Structure, Error>, start: f64| {
+        let system = family(0.1).unwrap();
+        let motion = system.simulate(State::new(&[start], &[0.0]), 300.0);
+        let motion = motion.unwrap();
+        let period = Period::Free(last_turn(&motion));
+        let orbit = settle(&system, &motion.last(), 0.0, period).unwrap();
+        let branch = follow(family, 0.1, &orbit, 0.02..0.5).unwrap();
+        let BranchEnd::Grazing { parameter } = branch.ends[1] else {
+            panic!("{:?}", branch.ends)
+        };
+        parameter
+    };
+    let alone = end(&mass, -0.6);
+    let pulled = end(&|velocity| mass(velocity)?.with_contact(slider()?), -0.2);
+    assert!((pulled - alone).abs() < 1e-14, "{alone} {pulled}");
+}
+
 fn small() -> (Structure, Orbit<State>) {
     let system = forced(0.3).unwrap();
     let orbit = settle(&system, &State::at_rest(1), 200.0, Period::Driven(1)).unwrap();

@@ -221,6 +221,39 @@ fn orbits_follow_their_parameters() {
     }
 }
 
+/// The slider of a joint never slips, so the force of its spring follows the mass. The start of a
+/// motion with another period has the same position of the slider, and lies on the plane normal to
+/// the flow.
+#[test]
+fn a_slider_that_never_slips_keeps_its_position() {
+    const STIFFNESS: f64 = 0.7;
+    let family = |p: &[f64]| {
+        let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.5)?, 1.0)?.on_belt(p[0]);
+        let joint = Contact::new(0, Coulomb::new(0.5, 0.5)?, 20.0)?;
+        one_mass([1.0, p[1], 0.3], 0.0, belt)?
+            .with_contact(joint.with_tangential_stiffness(STIFFNESS)?)
+    };
+    let parameters = [0.3, 0.1];
+    let system = family(&parameters).unwrap();
+    let orbit = settle(&system, &State::at_rest(1), 100.0, Period::Free(6.5)).unwrap();
+    let found = orbit_sensitivities(family, &parameters, &orbit).unwrap();
+    let [begin, _] = found.motion.times();
+    let state = found.motion.state_at(begin).unwrap();
+    let slopes = found.motion.at(begin).unwrap();
+    assert!(state.velocities[0].abs() > 1e-3);
+    let flow = [
+        state.velocities[0],
+        system.acceleration(begin, &state).unwrap()[0],
+        STIFFNESS * state.velocities[0],
+    ];
+    for slope in slopes.column_iter() {
+        let slid = slope[2] - STIFFNESS * slope[0];
+        assert!(slid.abs() < 1e-9, "{slid:e}: {slopes}");
+        let along: f64 = std::iter::zip(flow, slope.iter()).map(|(f, s)| f * s).sum();
+        assert!(along.abs() < 1e-9, "{along:e}: {slopes}");
+    }
+}
+
 #[test]
 fn parameters_without_a_derivative_are_named() {
     let family = |p: &[f64]| {

@@ -656,3 +656,28 @@ fn the_cost_of_an_impact_does_not_grow_with_the_stiffness() {
     let ratio = steps[1] as f64 / steps[0] as f64;
     assert!((5.0..15.0).contains(&ratio), "{steps:?}");
 }
+
+/// A stop that is closed stores ½kδ², as the budget of a motion says.
+#[test]
+fn the_elastic_energy_contains_that_of_stops() {
+    let stop = stop(Stop::along(&[(0, -1.0)], 0.5, 0.0), 200.0, 0.0);
+    let system = Structure::new(&[2.0]).unwrap();
+    let system = system.with_ground_spring(0, 3.0).unwrap();
+    let system = system.with_stop(stop).unwrap();
+    let energy = |x: f64| system.elastic_energy(0.0, &State::new(&[x], &[0.0]));
+    assert_eq!(energy(0.5).unwrap(), 0.375);
+    let pressed = energy(0.6).unwrap();
+    assert!((pressed - (0.54 + 1.0)).abs() < 1e-14, "{pressed}");
+    // Without dampers the energy is constant, before, during and after the impact.
+    let motion = system.simulate(State::new(&[0.0], &[4.0]), 2.0).unwrap();
+    let mut closed = 0;
+    for i in 0..=200 {
+        let (time, state) = (0.01 * f64::from(i), motion.state_at(0.01 * f64::from(i)));
+        let state = state.unwrap();
+        closed += usize::from(state.displacements[0] > 0.5);
+        let elastic = system.elastic_energy(time, &state).unwrap();
+        let kinetic = system.kinetic_energy(&state).unwrap();
+        assert!((elastic + kinetic - 16.0).abs() < 1e-12, "{time}");
+    }
+    assert!(closed > 10, "{closed}");
+}

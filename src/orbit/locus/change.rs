@@ -97,7 +97,7 @@ pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) 
     let h = step.duration();
     let friction =
         load_at_end(&form.model, number, step)[0] * contact.compliance * (kinetic + limit);
-    let rate = speeds(form, step, number, *side).slope_at(h);
+    let rate = speeds(step, number, *side).slope_at(h);
     (friction > 0.0).then(|| -rate / friction - 1.0)
 }
 
@@ -201,7 +201,7 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
                 (falling, slips) = (None, false);
                 continue;
             };
-            let speeds = speeds(form, step, contact, side);
+            let speeds = speeds(step, contact, side);
             let mut note = |t: f64, rests: f64| {
                 minima.push(Minimum {
                     contact,

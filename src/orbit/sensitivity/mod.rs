@@ -481,15 +481,7 @@ impl Sensitivities {
     fn close(&self, map: &PeriodMap, is_free: bool, slopes: &mut DMatrix<f64>) -> Option<Vec<f64>> {
         let (order, sizes) = (self.order, map.sizes());
         let period = self.here.end - self.begin;
-        let unknowns = order + usize::from(is_free);
-        let (mut matrix, _) = map.closing(&sizes, unknowns);
-        if is_free {
-            let normal = map.flow[0].component_div(&sizes).normalize();
-            for i in 0..order {
-                matrix[(i, order)] = map.flow[1][i] * period / sizes[i];
-                matrix[(order, i)] = normal[i];
-            }
-        }
+        let (matrix, _, unit) = map.equations(is_free.then_some(&map.flow[0]), period);
         let count = self.here.events.len();
         let kept = map.kept();
         let mut periods = Vec::new();
@@ -499,13 +491,13 @@ impl Sensitivities {
             kept.iter().for_each(|&i| missed[i] = 0.0);
             let right = -missed
                 .component_div(&sizes)
-                .resize_vertically(unknowns, 0.0);
+                .resize_vertically(matrix.nrows(), 0.0);
             let solution = least_norm(matrix.clone(), &right, SINGULAR)?;
             let own = solution.rows(0, order).component_mul(&sizes);
             slopes.column_mut(number).copy_from(&own);
             let duration = |run: &Run| Some(DVector::from_element(1, run.duration));
             periods.push(if is_free {
-                solution[order] * period
+                solution[order] / unit * period
             } else {
                 by.derivative(duration)?[0]
             });

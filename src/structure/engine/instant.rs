@@ -97,8 +97,13 @@ impl<'a, 's> Forces<'a, 's> {
     /// Forces at a time t after the start of the step with the drives of this step, which may jump
     /// at its end.
     pub(crate) fn before(&self, t: f64) -> Instant {
+        self.beside(t, self.step.state_at(t))
+    }
+
+    /// [`before`](Self::before) in another state.
+    pub(crate) fn beside(&self, t: f64, state: State) -> Instant {
         let clock = self.step.clock();
-        self.with(self.step.state_at(t), &|drive| {
+        self.with(state, &|drive| {
             let series = drive.series(clock);
             [series.at(t), series.slope_at(t)]
         })
