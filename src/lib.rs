@@ -173,7 +173,7 @@
 //!   ([`structure::Carried`]).
 //! * **Not available:** a mass matrix that depends on displacements (double pendulums, linkages);
 //!   delays (regenerative chatter); friction whose direction turns in a plane; rigid impacts;
-//!   forces that jump with the displacement.
+//!   forces that jump at a displacement, except that of a damped [`Stop`].
 //! * **Stiffness.** Let D = 2β + γ²·dμ̂/ds. For a mass on a belt a large D (strong damping, or
 //!   steep friction as in the cubic law far above its minimum) does not increase the number of
 //!   steps, up to D of about 1e20. In structures neither steep friction nor the stiffness of one
@@ -194,7 +194,8 @@
 //!   [`FirstOrder`] and [`Drive`].
 //! * `orbits`: adds [`orbit`] and [`bifurcation::hopf_locus`], and turns on `structures`.
 //! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes, but
-//!   does not read, equilibria, cycles and diagrams. `schema` lists the names.
+//!   does not read, results such as equilibria, cycles, diagrams, periodic motions and samples.
+//!   `schema` lists the names.
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
 //!   on all cores, with the same results bit for bit.
 #![deny(unsafe_code)]

@@ -41,6 +41,7 @@
 //! | [`SnapThrough`](crate::SnapThrough) | `stiffness`, `free_length`, `span` | yes |
 //! | [`VanDerPol`](crate::VanDerPol) | `negative_damping`, `nonlinear_damping` | yes |
 //! | [`TabulatedForce`](crate::TabulatedForce) | `points`: a list of [position, force]; optional: `piecewise_linear` (false) | yes |
+//! | [`Iwan4`](crate::Iwan4) | `slip_force`, `stiffness`, `exponent`, `ratio` | yes |
 //! | [`Scaled`](crate::Scaled) | `law`, `velocity_unit` (m/s) | yes |
 //! | [`Physical`](crate::Physical) | `mass`, `stiffness`, `damping`, `normal_force`, `belt_velocity`, in SI units | yes |
 //! | [`Scaling`](crate::Scaling) | `physical`; optional: `length` (`normal_force`/`stiffness`) | yes |
@@ -67,13 +68,15 @@
 //! | [`Continuum`](crate::limit_cycle::Continuum) | `max_amplitude`, `null` for ∞ | no |
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
 //! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
-//! | [`structure::Sample`](crate::structure::Sample) | `time`, `state`, `modes`, `accelerations`, `friction`, `loads` | no |
-//! | [`EnergyBudget`](crate::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `element_work`, `first_order_work`, `damper_loss`, `circulation`; lists, or numbers of a cycle of one mass | no |
+//! | [`structure::Sample`](crate::structure::Sample) | `time`, `state`, `modes`, `accelerations`, `friction`, `loads`, `element_forces`, `stop_forces` | no |
+//! | [`Carried`](crate::structure::Carried) | `force`, `least`, `most` | no |
+//! | [`Mechanism`](crate::structure::Mechanism) | `contacts`: a list of [number, relative velocity]; `power`, `resistance` | no |
+//! | [`EnergyBudget`](crate::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `element_work`, `first_order_work`, `stop_loss`, `damper_loss`, `circulation`; lists, or numbers of a cycle of one mass | no |
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
 //! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
 //! | [`Branch`](crate::orbit::Branch) | `points`: a list of maps with the fields `parameter`, `orbit`; `bifurcations`: a list of maps with the fields `parameter`, `kind`, `orbit`; `ends`: a list of two | no |
 //! | [`BifurcationKind`](crate::orbit::BifurcationKind) | `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence` | no |
-//! | [`BranchEnd`](crate::orbit::BranchEnd) | `range`, `closed`, `work`; with the fields of the variant: `hopf`, `grazing`, `discontinuity`, `one_way_slip`, `stopped`, `lost` (its `error` in words) | no |
+//! | [`BranchEnd`](crate::orbit::BranchEnd) | `range`, `closed`, `work`; with the fields of the variant: `hopf`, `grazing`, `discontinuity`, `one_way_slip`, `birth`, `stopped`, `lost` (its `error` in words) | no |
 //! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: `null` if the attractor is not periodic | no |
 //! | [`AttractorKind`](crate::AttractorKind) | `rest`, `steady_sliding`, `continuum`, `pure_slip`, `stick_slip`, `overshoot`, `crossing`, `irregular` | no |
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |

@@ -30,6 +30,24 @@ fn refused<T: DeserializeOwned + std::fmt::Debug>(text: &str, why: &str) {
     assert!(message.contains(why), "{message}");
 }
 
+/// Checks that the page `schema` lists every name in what is written.
+fn names_are_listed(value: &Value) {
+    match value {
+        Value::Object(fields) => {
+            for (name, value) in fields {
+                let page = include_str!("../src/schema.rs");
+                let is_listed = ["`", "\""]
+                    .iter()
+                    .any(|mark| page.contains(&format!("{mark}{name}{mark}")));
+                assert!(is_listed, "{name}");
+                names_are_listed(value);
+            }
+        }
+        Value::Array(values) => values.iter().for_each(names_are_listed),
+        _ => {}
+    }
+}
+
 /// Texts of a type in rows, each with what its refusal says.
 macro_rules! refuse {
     ($($read:ty: $text:expr, $why:expr;)*) => { $(refused::<$read>(&$text, $why);)* };
@@ -566,6 +584,7 @@ type Read = fn(Value) -> Result<Value, String>;
 fn whatever_is_read_is_complete_and_nothing_else() {
     for (document, read) in documents() {
         assert_eq!(read(document.clone()).as_ref(), Ok(&document));
+        names_are_listed(&document);
         let fields = document.as_object().unwrap();
         let mut more = document.clone();
         more["colour"] = 1.into();
@@ -999,6 +1018,7 @@ fn samples_orbits_branches_and_sweeps_are_written() {
     let start = structure::State::at_rest(1);
     let orbit = orbit::settle(&system, &start, 50.0, Period::Free(7.0)).unwrap();
     let value = serde_json::to_value(&orbit).unwrap();
+    names_are_listed(&value);
     assert_eq!(value["period"].as_f64(), Some(orbit.period()));
     assert_eq!(value["is_stable"], true);
     assert_eq!(value["multipliers"], serde_json::json!([[0.0, 0.0]]));
@@ -1024,6 +1044,8 @@ fn samples_orbits_branches_and_sweeps_are_written() {
     let parameter = 0.2;
     let end = orbit::BranchEnd::Lost { parameter, error };
     assert_eq!(serde_json::to_value(end).unwrap(), text);
+    let end = orbit::BranchEnd::Birth { parameter };
+    names_are_listed(&serde_json::to_value(end).unwrap());
     let kind = orbit::BifurcationKind::NeimarkSacker;
     assert_eq!(serde_json::to_value(kind).unwrap(), "neimark_sacker");
 
@@ -1036,6 +1058,11 @@ fn samples_orbits_branches_and_sweeps_are_written() {
     let motion = system.simulate(start, 2.0).unwrap();
     let samples: Vec<_> = system.samples(&motion, 0.5).unwrap().collect();
     let value = serde_json::to_value(&samples).unwrap();
+    names_are_listed(&value);
+    let state = samples[2].state.clone();
+    let carried = system.carried(1.0, &state).unwrap();
+    let mechanisms = system.mechanisms(1.0, &state).unwrap();
+    names_are_listed(&serde_json::to_value((carried, mechanisms)).unwrap());
     assert_eq!(value.as_array().unwrap().len(), 5);
     assert_eq!(value[2]["time"], 1.0);
     assert_eq!(value[2]["loads"], serde_json::json!([1.0]));

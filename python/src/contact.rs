@@ -19,7 +19,8 @@ use crate::made::{Made, Reduced};
 ///         `Contact.between(i, j, ...)` is the direction {i: 1, j: -1}.
 ///     law: a Law, or a ContactLaw such as `Dwell`, `LuGre`, `RateState` or `Directional`.
 ///     load: the normal load, in units of force: a number or a Drive. The contact opens when the
-///         whole load falls below 0, and closes again when it rises.
+///         whole load falls below 0, and closes again when it rises. With a load_gradient, but
+///         without normal_spring and load_laws, the motion ends with an error instead.
 ///     belt_velocity: w, the velocity of the surface, in units of velocity: a number or a Drive.
 ///     load_gradient: a dict {coordinate: force per displacement} that adds to the load; the normal
 ///         spring is then part of the stiffness matrix.
@@ -197,10 +198,12 @@ impl PyContact {
         Ok(Self { contact, made })
     }
 
-    /// This elastic contact as several in parallel, which slide one after the other.
+    /// Elastic contacts in parallel that replace this contact; they slide one after the other.
     ///
     /// Args:
-    ///     elements: pairs (stiffness, limit force), for example of `Iwan4.elements`.
+    ///     elements: pairs (stiffness, share): the tangential stiffness of each element, and its
+    ///         share of the load, > 0. If mu = 1 and load = 1, the share is the limit force, as in
+    ///         the pairs of `Iwan4.elements`.
     ///
     /// >>> from stick_slip import Contact, Coulomb, Iwan4
     /// >>> joint = Iwan4(3.0, 2.0, -0.1, 0.1)

@@ -96,7 +96,7 @@ impl PyDrive {
     ///
     /// Args:
     ///     amplitude: in the units of what is driven.
-    ///     omega: the angular frequency, in radians per unit of time, >= 0.
+    ///     omega: the angular frequency, in radians per unit of time, > 0.
     ///     phase: in radians.
     #[staticmethod]
     #[pyo3(signature = (amplitude, omega, phase = 0.0))]

@@ -152,7 +152,7 @@ pub fn polynomial_spring(py: Python<'_>, coefficients: Numbers) -> PyResult<PyFo
 /// A spring with play: no force while |x| <= gap.
 ///
 /// Args:
-///     stiffness: force per displacement, >= 0.
+///     stiffness: force per displacement beyond the gap, of any sign.
 ///     gap: in units of displacement, >= 0.
 #[pyfunction(name = "Backlash")]
 pub fn backlash(py: Python<'_>, stiffness: f64, gap: f64) -> PyResult<PyForceLaw> {

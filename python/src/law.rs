@@ -213,7 +213,7 @@ impl PyLaw {
         with_law!(&self.kind, law => elementwise(velocity, |v| law.coefficient(v)))
     }
 
-    /// The n-th derivative of the kinetic coefficient at a speed; nan for n beyond 23.
+    /// The n-th derivative of the kinetic coefficient at a speed; nan for n > 30.
     ///
     /// >>> from stick_slip import Polynomial
     /// >>> round(Polynomial(0.4, 0.25, 0.5).derivative(3, 0.1), 14)

@@ -119,7 +119,8 @@ impl PyOrbit {
         ComplexNumbers(self.orbit.multipliers().to_vec())
     }
 
-    /// True if the motion attracts: all multipliers are inside the unit circle.
+    /// True if small perturbations decay, up to a change of the member of a family: all multipliers
+    /// are inside the unit circle, except the multipliers 1 of a family.
     #[getter]
     fn is_stable(&self) -> bool {
         self.orbit.is_stable()
@@ -788,23 +789,21 @@ pub fn follow(
 /// Args:
 ///     family: a function of the parameter that returns the system.
 ///     near: a value of the parameter near the Hopf point.
-///     max_steps: bound of the work, in integration steps.
 ///     progress: a function called with a Progress; the search ends if it returns False.
 ///
 /// Returns:
 ///     A BranchPoint, from which `follow` goes on.
 #[pyfunction]
-#[pyo3(signature = (family, near, *, max_steps = None, progress = None))]
+#[pyo3(signature = (family, near, *, progress = None))]
 pub fn begin(
     py: Python<'_>,
     family: Py<PyAny>,
     near: f64,
-    max_steps: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     search(
         py,
-        options(max_steps, None, progress),
+        options(None, None, progress),
         |search, waiting| {
             let family = Family::new(family, waiting);
             search.begin(|value| family.of_one(value), near)
@@ -1066,7 +1065,8 @@ impl VibrationRanges {
 ///
 /// Args:
 ///     family: a function of the parameter that returns the system; or a MassOnBelt or
-///         PhysicalMassOnBelt, whose belt velocity is then the parameter, and no cycle is missed.
+///         PhysicalMassOnBelt, whose belt velocity is then the parameter. At each velocity that is
+///         tried, all attractors are found, within the limits of `limit_cycles`.
 ///     low, high: the range of the parameter, in its own units.
 ///     max_steps: bound of the work, in integration steps.
 ///     max_points: bound of the points of each branch in each direction.

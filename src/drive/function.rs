@@ -111,8 +111,9 @@ pub trait TimeFunction: Sized {
     fn timescale(&self, piece: usize) -> f64;
 
     /// Times at which pieces of the function meet: finitely many, ascending. With a
-    /// [period](Self::period) T they lie in 0 ≤ t < T and repeat; 0 is then a breakpoint if there
-    /// is any, also if it is not among them.
+    /// [period](Self::period) T they must lie in 0 ≤ t < T, and repeat. Unless there is none, the
+    /// function may also jump or have a kink at the start of each period, even if 0 is not among
+    /// them; `piece` still counts only the times given here.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }

@@ -15,8 +15,8 @@ pub enum Mode {
     /// The surfaces slide on each other, in this direction.
     Slip(Direction),
     /// The contact is open: there is no normal load and no friction. Only a contact of a
-    /// [`Structure`](crate::Structure) can open, if its load varies in time or if it has a [normal
-    /// spring](crate::Contact::with_normal_spring).
+    /// [`Structure`](crate::Structure) can open: if its load varies in time, or if it has a [normal
+    /// spring](crate::Contact::with_normal_spring) or a [load law](crate::Contact::with_load_law).
     Open,
 }
 
@@ -30,7 +30,8 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// The kind of an [`Event`] at a contact: stick, release, crossing, opening or closing.
+/// The kind of an [`Event`]: stick, release or crossing of a contact; opening or closing of a
+/// contact or of a [stop](crate::Stop).
 ///
 /// The direction of an event is the direction of slip **after** the event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -48,10 +49,12 @@ pub enum EventKind {
     /// The relative velocity changes its sign, and the contact does not stick: the force in stick
     /// would exceed the static limit, or the law has no stick.
     Crossing(Direction),
-    /// The normal load falls below 0, or falls to 0 and stays 0. The friction force is then 0. A
-    /// load that only touches 0 is no event: see [`Contact`](crate::Contact).
+    /// The normal load of a contact falls below 0, or falls to 0 and stays 0. The friction force is
+    /// then 0. A load that only touches 0 is no event: see [`Contact`](crate::Contact). A stop
+    /// opens when its force ends.
     Open,
-    /// The normal load rises above 0 again, and friction acts again.
+    /// The normal load of a contact rises above 0 again, and friction acts again. A stop closes
+    /// when its force begins.
     Close,
 }
 

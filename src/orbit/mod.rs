@@ -158,6 +158,9 @@
 //! let start = State::new(&[0.0, 0.0], &[0.5, 0.5]);
 //! let orbit = orbit::settle(&shaft, &start, 200.0, Period::Free(3.0))?;
 //! assert!((orbit.mean_velocity(0) - 0.5).abs() < 0.05);
+//! // In each period the shaft turns by the angle φ, and the torque does the work 10.6 φ.
+//! let angle = orbit.mean_velocity(0) * orbit.period();
+//! assert!((orbit.energy().force_work[0] - 10.6 * angle).abs() < 1e-13 * 10.6 * angle);
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!

@@ -19,8 +19,9 @@ pub enum Period {
     /// A phase condition fixes the start of the motion. [`shoot`](super::shoot) and
     /// [`settle`](super::settle) begin at a guess, a state near the motion: the start lies on the
     /// plane through the guess, normal to the flow x' at the guess (x: state). The functions
-    /// [`follow`](super::follow()) and [`begin`](super::begin()) choose a start at which one
-    /// coordinate is at a turning point.
+    /// [`follow`](super::follow()) and [`begin`](super::begin()) choose a start at a turning point
+    /// of one coordinate; if all turning points are near events, `follow` chooses a plane across
+    /// the motion.
     Free(f64),
 }
 

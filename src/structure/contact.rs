@@ -21,14 +21,15 @@ use crate::state::structure::State;
 /// ```text
 /// r = b·v − w(t)              relative velocity
 /// λ = N μ(r)                  friction force in slip; the force on the structure is −b λ
-/// N = N0(t) + Σ n_j q_j + Σ φ(a·q, a·v)       the normal load
+/// N = N0(t) + Σ n_j q_j + k_n d·q + Σ φ(a·q, a·v)     the normal load
 /// ```
 ///
 /// q and v are the displacements and velocities of the coordinates, b is the direction of the
 /// contact, and w is the velocity of the surface. μ is the friction coefficient, N0 the part of the
-/// load that depends on time, n_j the load gradient, a force per displacement, and φ a [load
-/// law](Self::with_load_law). μ and b are dimensionless. If b is multiplied by a factor, so are b·v
-/// and the force −b λ, but not w and N.
+/// load that depends on time, n_j the load gradient, a force per displacement, k_n d·q the force of
+/// a [normal spring](Self::with_normal_spring), and φ a [load law](Self::with_load_law). μ, b and d
+/// are dimensionless. If b is multiplied by a factor, so are b·v and the force −b λ, but not w and
+/// N.
 ///
 /// In the table e_i is the i-th unit vector:
 ///

@@ -48,7 +48,7 @@ impl Contact {
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
     ///
-    /// // An element with k_t = 2 and μN = 3 on a surface that moves to 5, to −5, and to 0. The
+    /// // An element with k_t = 2 and μN = 3 on a surface that moves to −5, to 5, and to 0. The
     /// // mass is so large that it stays at rest.
     /// let way = [(0.0, -1.0), (5.0, -1.0), (5.0, 1.0), (15.0, 1.0), (15.0, -1.0)];
     /// let element = Contact::new(0, Coulomb::new(1.0, 1.0)?, 3.0)?

@@ -75,11 +75,12 @@ impl Structure {
     /// between a time at which sliding becomes unstable and the next time at which it becomes
     /// stable.
     ///
-    /// Stability is computed at 257 equally spaced instants of the range, and at each point of a
-    /// [profile](crate::Drive::profile). Each change is refined by bisection to the last bit. Two
+    /// Stability is computed at 257 equally spaced instants of the range, at each point of a
+    /// [profile](crate::Drive::profile), and at each breakpoint of a
+    /// [function](crate::Drive::function). Each change is refined by bisection to the last bit. Two
     /// changes between neighbouring instants can be missed; choose a narrower range for a denser
     /// search. No change is reported while there is no steady sliding, for example while a belt is
-    /// at rest or a load is 0.
+    /// at rest.
     ///
     /// # Delayed loss of stability
     ///

@@ -110,13 +110,14 @@ impl Structure {
         SteadySliding::of(SlidingField::of(&self.model())?)
     }
 
-    /// Steady sliding of a structure with [force elements](crate::ForceElement), searched by
-    /// Newton's method from given displacements, one for each coordinate.
+    /// Steady sliding of a structure, searched from given displacements, one for each coordinate.
     ///
-    /// Nonlinear forces may have several equilibria; the search returns one of them, which need not
-    /// be the nearest. [`steady_sliding`](Self::steady_sliding) searches from displacements of 0.
-    /// If no equilibrium is found from there, the load is raised in eight steps. Without force
-    /// elements there is one equilibrium at most, and the given displacements have no effect.
+    /// If a force is nonlinear in the displacements (force elements, stops, load laws, laws of
+    /// first-order states), Newton's method starts from the given displacements. There may be
+    /// several equilibria; the search returns one of them, which need not be the nearest. If none
+    /// is found, the load is raised in eight steps. If all forces are linear, the given
+    /// displacements matter only if contacts can open. [`steady_sliding`](Self::steady_sliding)
+    /// searches from displacements of 0.
     ///
     /// # Errors
     ///

@@ -37,10 +37,11 @@ use crate::force::stop::StopLaw;
 ///
 /// # Rigid stops
 ///
-/// Rigid impacts are not available: [`Structure::with_stop`](crate::Structure::with_stop) refuses
-/// a stop without a [contact stiffness](Self::with_contact_stiffness). Its restitution is then
-/// unused. Instead give a stiff stop the damping with the same rebound: let m = 1/(dᵀM⁻¹d) and ζ =
-/// c/(2√(km)). A free mass rebounds with the restitution
+/// Rigid impacts are not available: [`Structure::with_stop`](crate::Structure::with_stop) refuses a
+/// stop without a [contact stiffness](Self::with_contact_stiffness), and the argument `restitution`
+/// of the constructors has no effect. Instead, give a stiff stop the damping that belongs to the
+/// restitution e that you need. Let m = 1/(dᵀM⁻¹d) and ζ = c/(2√(km)). A free mass rebounds with
+/// the restitution
 ///
 /// ```text
 /// e = exp(−2ζ acos(ζ)/√(1 − ζ²))      ζ > 1:  exp(−2ζ acosh(ζ)/√(ζ² − 1))
@@ -94,7 +95,7 @@ pub struct Stop {
 const ANY: &str = "any sign is allowed";
 
 impl Stop {
-    /// Creates a stop along any direction d: g = gap + Σ d_j q_j. The restitution is unused: see
+    /// Creates a stop along any direction d: g = gap + Σ d_j q_j. `restitution` has no effect: see
     /// [rigid stops](Self#rigid-stops).
     ///
     /// # Errors
@@ -122,7 +123,8 @@ impl Stop {
         })
     }
 
-    /// Creates a stop that keeps q_i below q_max.
+    /// Creates a stop that pushes coordinate i back from above q_max. `restitution` has no effect:
+    /// see [rigid stops](Self#rigid-stops).
     ///
     /// # Errors
     ///
@@ -132,7 +134,8 @@ impl Stop {
         Self::along(&[(i, -1.0)], q_max, restitution)
     }
 
-    /// Creates a stop that keeps q_i above q_min.
+    /// Creates a stop that pushes coordinate i back from below q_min. `restitution` has no effect:
+    /// see [rigid stops](Self#rigid-stops).
     ///
     /// # Errors
     ///
@@ -143,6 +146,7 @@ impl Stop {
     }
 
     /// Creates a stop between two coordinates, where i hits j from below: g = gap + q_j − q_i.
+    /// `restitution` has no effect: see [rigid stops](Self#rigid-stops).
     ///
     /// # Errors
     ///

@@ -21,7 +21,7 @@ use crate::friction::memory::ContactLaw;
 ///
 /// ```text
 /// M v' = f(t) − C v − K q − Σ_e D_e(t) Σ_i a_ei F_ei − Σ_c b_c λ_c + Σ_k d_k F_k + B z,   v = q'
-/// contacts:  r_c = b_c·v − w_c(t),   N_c = N0_c(t) + Σ_j n_cj q_j
+/// contacts:  r_c = b_c·v − w_c(t),   N_c = N0_c(t) + Σ_j n_cj q_j + k_c d_c·q + Σ φ_c
 ///            slip:  λ_c = N_c μ_c(r_c)     stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
 /// elements:  F_e = F_e(x_e, y_e),   x_ei = a_ei·q,   y_ei = a_ei·v
 /// stops:     F_k = F_k(δ_k, δ_k'),   δ_k = −(g_k + d_k·q)
@@ -39,9 +39,9 @@ use crate::friction::memory::ContactLaw;
 /// the friction coefficient in slip, and μ_s,c the static coefficient. The direction may be any
 /// vector, a coordinate may have any number of contacts, and each contact may have its own law.
 /// Contacts are numbered from 0 in the order in which they are added. A contact with a [normal
-/// spring](Contact::with_normal_spring) of direction d_c also exerts the force −d_c N_c. In an
-/// [elastic contact](Contact::with_tangential_stiffness) the force of its spring takes the place of
-/// λ_c.
+/// spring](Contact::with_normal_spring) of stiffness k_c and direction d_c also exerts the force
+/// −d_c N_c. φ_c are [load laws](Contact::with_load_law). In an [elastic
+/// contact](Contact::with_tangential_stiffness) the force of its spring takes the place of λ_c.
 ///
 /// [`ForceElement`] e has the directions a_ei, the positions x_ei and velocities y_ei along them,
 /// the law F_e, a nonlinear function of these, and the factor D_e, 1 unless set. Elements are
@@ -62,8 +62,8 @@ use crate::friction::memory::ContactLaw;
 /// * **Friction in a plane:** each contact slides along its own fixed direction.
 /// * **Rigid impacts:** velocities never jump. A [`Stop`] has a stiffness: its page says what to
 ///   take for a [rigid stop](Stop#rigid-stops).
-/// * **Forces that jump** with the displacement. A force that jumps with the sign of a velocity is
-///   friction.
+/// * **Forces that jump** at a displacement, except that of a damped [`Stop`]. A force that jumps
+///   with the sign of a velocity is friction.
 ///
 /// # Contacts that share masses
 ///
@@ -444,6 +444,9 @@ impl Structure {
     ///     .with_stop(stop(Stop::above(0, 0.5, 0.0)?)?)?
     ///     .with_stop(stop(Stop::below(0, -0.5, 0.0)?)?)?;
     /// let motion = mass.simulate(State::at_rest(1), 20.0)?;
+    /// // From rest q = 3t/2 − (3/4) sin 2t: the mass first touches a stop at q = 1/2.
+    /// let first = motion.events()[0].time;
+    /// assert!((1.5 * first - 0.75 * (2.0 * first).sin() - 0.5).abs() < 1e-15);
     /// let depth = |q: f64| q.abs() - 0.5;
     /// let depths = motion.steps().iter().map(|step| depth(step.state().displacements[0]));
     /// assert!(motion.events().len() > 10 && depths.fold(0.0, f64::max) < 0.2);

@@ -1267,7 +1267,6 @@ def begin(
     family: Callable[[float], System],
     near: float,
     *,
-    max_steps: int | None = None,
     progress: Callable[[Progress], object] | None = None,
 ) -> BranchPoint: ...
 def sweep(

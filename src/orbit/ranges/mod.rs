@@ -51,8 +51,9 @@ const SMALL: f64 = 1e-3;
 ///
 /// `family` returns the system for a value of the parameter. Three searches find periodic motions.
 /// One is a [`sweep`](super::sweep()) from rest over 17 equidistant values, upward and downward.
-/// Another starts from rest at each of these values. The third finds the Hopf points of steady
-/// sliding, at which motions [begin](super::begin()). Each motion found that lies on no known
+/// Another starts from rest at each of these values. The third searches 256 equal intervals for
+/// Hopf points of steady sliding, at which motions [begin](super::begin()); two Hopf points in one
+/// interval can be missed. Each motion found that lies on no known
 /// branch is [followed](super::follow()) in both directions, through folds, to the ends of its
 /// branch. The end of stick-slip is therefore the fold or grazing itself, not the last value at
 /// which a simulation showed stick. The branches also contain motions that no simulation from
@@ -80,8 +81,9 @@ const SMALL: f64 = 1e-3;
 /// neighbouring values at which it is reached: for example masses at rest under a drive, or a shaft
 /// that turns.
 ///
-/// A range wider than 10⁻⁴ of the whole in which no attractor is known is tried once more, from
-/// rest at its middle. If no branch explains this motion, only its kind is entered.
+/// If no attractor is known in a range wider than 10⁻⁴ of the whole, a motion from rest is tried at
+/// its middle, in up to three rounds. If no branch explains such a motion, only its kind is
+/// entered.
 ///
 /// The work is 17 motions upward, downward and from rest, and one [`follow`](super::follow()) for
 /// each branch: seconds for a few masses, tens of seconds for a dozen masses.
