@@ -174,7 +174,8 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// The errors of [`harmonic`](Self::harmonic).
+    /// The errors of [`harmonic`](Self::harmonic); [`Error::InvalidParameter`] also if the sum with
+    /// a harmonic of the same angular frequency overflows.
     pub fn with_harmonic(
         self,
         amplitude: f64,
@@ -191,7 +192,8 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// The errors of [`sine`](Self::sine).
+    /// The errors of [`sine`](Self::sine); [`Error::InvalidParameter`] also if the sum with a
+    /// harmonic of the same angular frequency overflows.
     pub fn with_sine(self, amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
         Error::check("Drive", "amplitude", amplitude, true, "any size")?;
         self.with_waves(angular_frequency, 0.0, amplitude)
@@ -201,7 +203,8 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// The errors of [`profile`](Self::profile).
+    /// The errors of [`profile`](Self::profile); if all points have one value, also those of
+    /// [`with_constant`](Self::with_constant).
     pub fn with_profile(mut self, points: &[(f64, f64)]) -> Result<Self, Error> {
         let profile = Profile::new(points)?;
         match profile.as_constant() {

@@ -152,11 +152,16 @@ impl Integrator {
     /// * if the integration fails, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
     ///   [`Error::StepUnderflow`], [`Error::TooManySteps`] or [`Error::TooManyEvents`], with the
     ///   time and state reached;
+    /// * [`Error::InvalidParameter`] if μ_s of a `MassOnBelt` turns NaN during the motion;
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`] if `start` does not have
     ///   the size of the structure, and [`Error::InvalidParameter`] if a memory variable of `start`
-    ///   is not finite or makes a static coefficient negative;
-    /// * for contacts of a `Structure` also [`Error::OverLimit`], [`Error::Separation`] and
-    ///   [`Error::TooManyMechanisms`], [`Error::Jammed`], [`Error::WrongWay`].
+    ///   is not finite or makes a static coefficient negative, or if a relative velocity of `start`
+    ///   is not finite or belongs to no rigid contact;
+    /// * for contacts of a `Structure` also [`Error::OverLimit`], [`Error::Separation`],
+    ///   [`Error::TooManyMechanisms`], [`Error::Jammed`] and [`Error::WrongWay`];
+    /// * for other laws of a `Structure` [`Error::NonFiniteForce`] and [`Error::NotAnalyticForce`]
+    ///   (force elements), [`Error::NonFiniteLoad`] and [`Error::NotAnalyticLoad`] (loads),
+    ///   [`Error::NonFiniteRate`] and [`Error::NotAnalyticRate`] (first-order states).
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate<S: System>(
@@ -215,10 +220,10 @@ impl Integrator {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidDuration`], [`Error::InvalidState`] and [`Error::WrongSize`] as in
-    /// [`simulate`](Self::simulate); [`Error::InvalidParameter`] if `stop` returns NaN or an
-    /// infinite time; and the error of a motion that fails in its first step. Any later error of
-    /// the motion is stored in the result.
+    /// [`Error::InvalidDuration`] as in [`simulate`](Self::simulate); the errors of
+    /// [`flow`](Self::flow); [`Error::InvalidParameter`] if `stop` returns NaN or an infinite time;
+    /// and the error of a motion that fails in its first step. Any later error of the motion is
+    /// stored in the result.
     #[doc(alias = "event")]
     #[doc(alias = "condition")]
     pub fn simulate_until<S: System>(
@@ -268,8 +273,8 @@ impl Integrator {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] and [`Error::WrongSize`] as in [`simulate`](Self::simulate). Errors
-    /// of the integration are items of the iterator; after an error the iterator returns `None`.
+    /// The errors of [`simulate`](Self::simulate) for a start that is not valid. Later errors are
+    /// items of the iterator; after an error the iterator returns `None`.
     pub fn flow<S: System>(
         self,
         system: &S,

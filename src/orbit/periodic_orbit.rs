@@ -29,6 +29,7 @@ use crate::state::structure::State;
 /// The searches of [`orbit`](super) return this type, for example [`shoot`](super::shoot). Extremes
 /// are exact to rounding, too: the displacement and the velocity are power series in each step, and
 /// their extremes lie at the roots of the derivatives. All numbers are in the units of the system.
+/// A measure of a coordinate or of a contact that does not exist is NaN.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};
@@ -337,8 +338,7 @@ impl<S: SystemState> Orbit<S> {
     }
 }
 
-/// Measures of the motion, with the names of the measures of a [`LimitCycle`](crate::LimitCycle). A
-/// measure is NaN if the coordinate or the contact does not exist.
+/// Measures of the motion, with the names of the measures of a [`LimitCycle`](crate::LimitCycle).
 impl<S: SystemState> Orbit<S> {
     /// Angular frequency ω = 2π/T, per unit of time.
     pub fn frequency(&self) -> f64 {
@@ -404,8 +404,7 @@ impl<S: SystemState> Orbit<S> {
     ///
     /// The displacement is the sum of Vt and a periodic part. [`extremes`](Self::extremes),
     /// [`amplitude`](Self::amplitude), [`mean_displacement`](Self::mean_displacement) and
-    /// [`harmonics`](Self::harmonics) are measures of the periodic part. The result is NaN if the
-    /// coordinate does not exist.
+    /// [`harmonics`](Self::harmonics) are measures of the periodic part.
     pub fn mean_velocity(&self, coordinate: usize) -> f64 {
         self.coordinate(coordinate, |of| of.mean_velocity)
             .unwrap_or(f64::NAN)
@@ -438,8 +437,7 @@ impl<S: SystemState> Orbit<S> {
         largest.max(-least)
     }
 
-    /// Time that a contact sticks in each period, in units of time; NaN if the contact does not
-    /// exist.
+    /// Time that a contact sticks in each period, in units of time.
     pub fn stick_duration(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.stick_duration)
     }

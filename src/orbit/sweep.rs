@@ -127,8 +127,8 @@ impl<S: SystemState> Sweep<S> {
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless there is at least one value, and the values are finite and
-/// ascending; [`Error::At`], with the parameter, if the first system does not accept the start. Any
-/// other error at a value is part of the result.
+/// ascending; [`Error::At`], with the parameter, if a system does not accept `start`. Any other
+/// error at a value, such as an error of the family, is part of the result.
 #[doc(alias = "hysteresis")]
 #[doc(alias = "brute force")]
 pub fn sweep<S: Oscillator>(

@@ -163,8 +163,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] if a share is not positive and finite, or if a share of the load
-    /// would overflow; the errors of
+    /// [`Error::InvalidParameter`] if there is no element, if a share is not positive and finite,
+    /// or if a share of the load would overflow; the errors of
     /// [`with_tangential_stiffness`](Self::with_tangential_stiffness).
     ///
     /// ```

@@ -31,7 +31,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] if the time is not finite.
+    /// [`Error::InvalidParameter`] if the time is not finite; [`Error::BadElement`] or
+    /// [`Error::InvalidParameter`] if a drive is not finite at this time.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure};
@@ -131,7 +132,7 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] unless both ends of the range are finite and the start is below
-    /// the end.
+    /// the end; the errors of [`frozen`](Self::frozen).
     #[doc(alias = "Hopf")]
     #[doc(alias = "slow passage")]
     pub fn stability_changes(&self, times: Range<f64>) -> Result<Vec<StabilityChange>, Error> {

@@ -33,9 +33,10 @@ use crate::error::{Error, NotSliding};
 ///
 /// For n coordinates the eigenvalues come from the Schur form of a 2n × 2n matrix. Each memory
 /// variable, and each first-order state, adds a row and a column to this matrix. The error of an
-/// eigenvalue is about nε times the largest eigenvalue (ε = 2.2e-16), and less for slow motions
-/// beside velocities that settle at once, such as those of a fault. The error grows to √(nε) times
-/// the largest eigenvalue if two eigenvalues nearly coincide. The work grows as n³.
+/// eigenvalue is about nε times the largest eigenvalue (ε = 2.2e-16). Slow motions have a smaller
+/// error if the large eigenvalues belong to sliding speeds that settle at once, as on a fault. The
+/// error grows to √(nε) times the largest eigenvalue if two eigenvalues nearly coincide. The work
+/// grows as n³.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -95,17 +96,17 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies in time, if
-    /// the surface of a contact does not move (w = 0), or if a load is not positive in the
-    /// equilibrium and its contact has a load gradient, but neither a normal spring nor a load law.
-    /// Other contacts are open there: they have no friction, and their surfaces may be at rest.
-    /// The same error is returned if memory variables have no constant values, if a
-    /// number overflows, or if the stiffness matrix with the terms of friction and of first-order
-    /// states is singular, as with an integrator whose input cannot be 0. To make it non-singular,
-    /// restrain the rigid-body modes, or use
+    /// [`Error::NoSteadySliding`], with the reason; [`NotSliding`] lists all reasons. Among them: a
+    /// drive varies in time; the surface of a contact with friction does not move (w = 0); no
+    /// equilibrium of nonlinear forces is found; the stiffness matrix with the terms of friction
+    /// and of first-order states is singular, as with an integrator whose input cannot be 0. To
+    /// make it non-singular, restrain the rigid-body modes, or use
     /// [`steady_sliding_at`](Self::steady_sliding_at), which leaves them out. For a drill string
     /// that is driven at a given speed, use the frame that rotates at this speed: in this frame the
     /// driven end is fixed to the ground.
+    ///
+    /// Contacts whose load is not positive are open: they have no friction, and their surfaces may
+    /// be at rest. [`NotSliding::NoLoad`] names the exceptions.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(SlidingField::of(&self.model())?)
     }
@@ -121,9 +122,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// * the errors of [`steady_sliding`](Self::steady_sliding), with the reasons
-    ///   [`NotSliding::NotFound`] if no equilibrium was found, and [`NotSliding::AtBreakpoint`] if
-    ///   the equilibrium is on a breakpoint of a law;
+    /// * the errors of [`steady_sliding`](Self::steady_sliding);
     /// * [`Error::WrongSize`] unless there is one displacement for each coordinate;
     ///   [`Error::InvalidParameter`] for the first that is not finite.
     ///

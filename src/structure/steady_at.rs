@@ -39,13 +39,13 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::WrongSize`] unless there is a velocity for each coordinate;
-    /// [`Error::InvalidParameter`] unless all are finite. [`Error::NoSteadySliding`], with the
-    /// reason ([`NotSliding`](crate::structure::NotSliding)), if a drive varies in time, if the
-    /// velocities deform a spring or let an integral grow, if a load is not positive, if memory
-    /// variables of a contact that slips have no constant values, if balance requires more than the
-    /// limit force of a contact that sticks, if a law that never sticks has the relative velocity
-    /// 0, if a number overflows, or if the stiffness matrix with the terms of friction is singular
-    /// on the remaining directions.
+    /// [`Error::InvalidParameter`] unless all are finite; the errors of
+    /// [`steady_sliding`](Self::steady_sliding), except that a contact with the relative velocity 0
+    /// is an error only if its law has friction and never sticks. Further reasons
+    /// ([`NotSliding`](crate::structure::NotSliding)) are velocities that deform a spring, change a
+    /// load or make a first-order state grow, and a contact that sticks if balance requires more
+    /// than its limit force. The stiffness matrix must be non-singular on the directions that are
+    /// not rigid-body motions.
     ///
     /// ```
     /// use stick_slip::{Contact, Exponential, Structure};

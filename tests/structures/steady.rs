@@ -415,4 +415,22 @@ fn stability_changes_where_the_belt_passes_its_hopf_velocities() {
     for bad in [f64::NAN, f64::INFINITY] {
         assert!(system.frozen(bad).is_err());
     }
+    // The phase of a harmonic overflows.
+    let fast = Drive::sine(1e-200, 1e300).unwrap();
+    let fast = Structure::new(&[1.0]).and_then(|mass| mass.with_force(0, fast));
+    let error = fast.unwrap().stability_changes(0.0..1e10).unwrap_err();
+    assert!(matches!(error, Error::BadElement { .. }), "{error}");
+}
+
+/// A contact whose load vanishes is open: steady sliding goes on, and only the damper is left.
+#[test]
+fn stability_changes_where_a_load_vanishes() {
+    let load = Drive::profile(&[(10.0, 1.0), (10.0, 0.0)]).unwrap();
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let contact = Contact::new(0, law, load).unwrap().on_belt(0.4);
+    let system = one_mass([1.0, 0.1, 1.0], 0.0, contact).unwrap();
+    let found = system.stability_changes(0.0..20.0).unwrap();
+    let [change] = exactly(&found);
+    assert!(change.becomes_stable);
+    assert_abs_diff_eq!(change.time, 10.0, epsilon = 1e-14);
 }
