@@ -188,14 +188,13 @@
 //!   of the system with coordinates, and those of differences:
 //!   `orbit::first_order::multipliers_are_those_of_coordinates_in_place_of_states`,
 //!   `orbit::first_order::monodromy_is_the_derivative_of_the_period_map`.
-//! * **Stops** close and open at roots, as other events. A free mass rebounds as the closed forms
-//!   say, two stops without damper are a [`Backlash`](crate::Backlash), the heat of their dampers
-//!   closes the energy balance, and a motion continues from each of its states:
+//! * **Stops** close and open at roots, like other events. A free mass rebounds as the closed forms
+//!   say. Two stops without dampers act as a [`Backlash`](crate::Backlash). Energies balance with
+//!   the heat of the dampers of stops. A motion continues from each of its states:
 //!   `structures::stops::a_free_mass_rebounds_as_the_formulas_say`,
 //!   `structures::stops::two_stops_without_damper_are_backlash`,
 //!   `structures::stops::energies_and_samples_of_stops`,
-//!   `structures::stops::motions_continue_from_their_states`. The reference motions with stops
-//!   agree as those without:
+//!   `structures::stops::motions_continue_from_their_states`. Reference motions with stops agree:
 //!   `structures::trajectories::stops_have_the_reference_events_and_states`. A stop that is never
 //!   reached changes no bit: `structures::stops::a_stop_out_of_reach_changes_nothing`. Multipliers
 //!   are those of differences, also where a stop releases contacts:
@@ -231,11 +230,12 @@
 //!   `structures::stiff_speed::two_masses_move_as_by_an_implicit_method`.
 //! * **Seismic cycles.** Under rate-and-state friction, over up to 15 decades of the sliding speed,
 //!   the passages of the plate's velocity in four motions agree with 25-digit values within 1e-13
-//!   of their times, in at most 1.3 times the steps of an independent trial. One to three sliders
-//!   agree with an implicit method in the logarithm of the speed. Periodic motions close to 1e-13,
-//!   with the multipliers of return maps within 1e-9. Eigenvalues of steady sliding satisfy the
-//!   characteristic equation within 1e-13 of its terms, at 1e-18 m/s, too. Velocity steps and a
-//!   cycle agree with the frozen results of two published programs, to their last digits:
+//!   of their times, in at most 1.3 times the steps of an independent prototype. One to three
+//!   sliders agree with an implicit method in the logarithm of the speed. Periodic motions return
+//!   to their start within 1e-13; their multipliers are those of return maps within 1e-9.
+//!   Eigenvalues of steady sliding satisfy the characteristic equation within 1e-13 of its terms,
+//!   at 1e-18 m/s, too. Velocity steps and a cycle agree with the frozen results of two published
+//!   programs, to their last digits:
 //!   `structures::seismic::motions_have_the_reference_passages_and_states`,
 //!   `structures::seismic::periods_without_inertia_are_the_limit_of_small_masses`,
 //!   `structures::seismic::first_integrals_drift_in_proportion_to_the_mass`,
@@ -277,9 +277,10 @@
 //! * **Memory.** At r = 0 the memory of a start is that in stick. A motion that starts in stick
 //!   with a dwell clock θ in its memory continues this clock:
 //!   `structures::restarts::a_locked_clutch_stays_locked`.
-//! * **Events.** The state of an event has the memory before the event, and is decided as the event
-//!   was. [`state_at`](crate::Trajectory::state_at) the time of the event returns the memory after
-//!   it. If several contacts with dwell clocks are at rest at one event, start at the state of the
+//! * **Events.** The state of an event contains the memory before the event. A motion that starts
+//!   from it decides between stick and slip as the event did.
+//!   [`state_at`](crate::Trajectory::state_at) the time of the event returns the memory after it.
+//!   If several contacts with dwell clocks are at rest at one event, start at the state of the
 //!   event: their common decision depends on clocks that the event sets to 0:
 //!   `structures::restarts::a_returned_state_is_a_start_of_the_same_motion`,
 //!   `structures::restarts::a_state_where_a_load_jumps_is_a_start`.

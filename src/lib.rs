@@ -76,7 +76,7 @@
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
 //! | a pendulum | [`Pendulum`]; its pivot is at rest |
 //! | gear play, backlash | [`Backlash`] |
-//! | a stop, an impact, a loose gear with damping | [`Stop`], a spring and a damper behind a gap; what to take for a rigid stop: [rigid stops](Stop#rigid-stops) |
+//! | a stop, an impact, a loose gear with damping | [`Stop`], a spring and a damper that act while a gap is closed; in place of a rigid stop: [rigid stops](Stop#rigid-stops) |
 //! | a gap | surfaces that touch only after a displacement: [`Contact::with_normal_spring`] with a load ≤ 0; without friction: [`Stop`], [`Backlash`] |
 //! | an oblique spring | [`SnapThrough`], with its change of direction; along a fixed direction [`ForceElement::along`]; one that presses a contact: [`Contact::with_load_law`] |
 //! | a stiffness that varies in time (gear mesh, Mathieu's equation) | [`ForceElement::with_factor`], with the law [`PolynomialSpring`] of one coefficient |
@@ -180,10 +180,11 @@
 //!   memory variable, such as bristles, increases the number of steps in slip (tried up to a slope
 //!   of 1e15 and a bristle stiffness σ0 = 1e12). Other stiffness shortens the explicit steps;
 //!   extreme stiffness ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
-//! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
+//! * **Analytic laws.** A law must be analytic, also at s = 0, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the
-//!   velocity amplitude. A [`TimeFunction`] says itself how narrow its features are.
+//!   velocity amplitude. A [`TimeFunction`] states the width of its narrowest feature by
+//!   [`timescale`](TimeFunction::timescale).
 //!
 //! # Features
 //!

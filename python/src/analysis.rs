@@ -143,8 +143,8 @@ pub fn stabilizing_damping(
     }
 }
 
-/// What the formulas of the source paper say about a system with the law Polynomial: "rest",
-/// "steady sliding", "pure slip" or "stick-slip".
+/// The kind of motion by the formulas of the source paper, for a system with the law Polynomial:
+/// "rest", "steady sliding", "pure slip" or "stick-slip".
 #[pyfunction]
 pub fn regime(system: &PyBelt) -> PyResult<String> {
     Ok(analysis::regime(&of_polynomial(system)?).to_string())
@@ -249,9 +249,9 @@ record! {
     /// A slip phase of Coulomb's law that ends where the mass reaches the belt velocity
     /// tangentially; dimensionless.
     TangentialSlip {
-        /// Its duration.
+        /// The duration of slip.
         duration: f64,
-        /// Its belt velocity in units of load times (static - kinetic coefficient).
+        /// The belt velocity in units of load times (static - kinetic coefficient).
         velocity_factor: f64,
     }
 }
@@ -294,9 +294,9 @@ record! {
     FreeVibration {
         /// Loss of amplitude in each cycle.
         amplitude_loss: f64,
-        /// Where the mass comes to rest; None if it never does.
+        /// The displacement at which the mass comes to rest; None if it never does.
         rest_position: Option<f64>,
-        /// When it does.
+        /// The time at which it comes to rest; None if it never does.
         rest_time: Option<f64>,
         /// Times of the turning points, at most 10000 of them.
         times: Numbers,
@@ -785,7 +785,7 @@ record! {
     in "stick_slip.analysis":
     /// Bristles in steady sliding.
     SteadyBristles {
-        /// Their deflection, in units of length.
+        /// The deflection of the bristles, in units of length.
         deflection: f64,
         /// The friction coefficient.
         coefficient: f64,
@@ -876,7 +876,8 @@ record! {
     }
 }
 
-/// Where steady sliding of two coupled coordinates flutters (Hoffmann, Gaul); None if it does not.
+/// The onset of flutter in steady sliding of two coupled coordinates (Hoffmann, Gaul); None if
+/// there is no flutter.
 ///
 /// Args:
 ///     masses: (m1, m2).
@@ -932,7 +933,7 @@ record! {
         period: f64,
         /// The Floquet multiplier.
         multiplier: f64,
-        /// Its logarithm.
+        /// The logarithm of the multiplier.
         log_multiplier: f64,
         /// Amplitudes of the first three harmonics.
         harmonics: Numbers,
@@ -1016,7 +1017,7 @@ impl PureSlip {
         self.0.stick_velocity()
     }
 
-    /// The same by an expansion of higher order.
+    /// The belt velocity below which the mass sticks, by an expansion of higher order.
     #[getter]
     fn grazing_velocity(&self) -> Option<f64> {
         self.0.grazing_velocity()

@@ -208,7 +208,7 @@ macro_rules! belt_methods {
                 self.system.acceleration(state.0)
             }
 
-            /// The same system as a `Structure` of one mass.
+            /// This system as a `Structure` of one mass.
             fn structure(&self, py: Python<'_>) -> PyResult<PyStructure> {
                 let made = self.made(py)?.then(py, "structure", ())?;
                 let structure = self.system.structure().or_raise()?;
@@ -290,7 +290,7 @@ belt_methods!(PyBelt {
         self.load
     }
 
-    /// The same system with other numbers.
+    /// A copy of this system with some numbers replaced.
     ///
     /// >>> from stick_slip import Coulomb, MassOnBelt
     /// >>> MassOnBelt(Coulomb(0.4, 0.25), 0.2).replace(load=2.0)
@@ -368,9 +368,8 @@ belt_methods!(PyPhysicalBelt {
         self.scaling.physical().belt_velocity
     }
 
-    /// The same system without units, as the formulas of `analysis` take it: displacements in
-    /// units of `length`, times in units of 1/`angular_frequency`, forces in units of the normal
-    /// force.
+    /// This system without units, for the formulas of `analysis`: displacements in units of
+    /// `length`, times in units of 1/`angular_frequency`, forces in units of the normal force.
     ///
     /// >>> from stick_slip import Exponential, PhysicalMassOnBelt
     /// >>> brake = PhysicalMassOnBelt(Exponential(0.4, 0.25, 0.05), mass=2.0, stiffness=800.0,

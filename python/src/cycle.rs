@@ -302,7 +302,7 @@ pub fn stick_slip_cycle(py: Python<'_>, system: BeltArgument<'_>) -> PyResult<Op
     Ok(cycle.as_ref().map(LimitCycle::of))
 }
 
-/// What a motion settles to: `attractor` of a mass on a belt.
+/// The attractor that a motion approaches; returned by `attractor` of a mass on a belt.
 #[pyclass(frozen, get_all, module = "stick_slip")]
 pub struct BeltAttractor {
     /// "rest", "steady sliding", "pure slip", "stick-slip", "overshoot", "crossing", "continuum",
@@ -450,7 +450,7 @@ pub fn silencing_stiffness(py: Python<'_>, system: BeltArgument<'_>) -> PyResult
     silencing(py, &system, Silencing::Stiffness)
 }
 
-/// How vibration begins at a Hopf velocity: "supercritical", "subcritical" or "degenerate".
+/// The kind of Hopf bifurcation at a Hopf velocity: "supercritical", "subcritical" or "degenerate".
 #[pyfunction]
 pub fn criticality(system: BeltArgument<'_>, velocity: f64) -> &'static str {
     criticality_name(system.system().criticality(velocity))
@@ -689,32 +689,32 @@ impl Along {
         visit.call(&self.progress)
     }
 
-    /// Where steady sliding gains or loses stability.
+    /// Parameters at which steady sliding gains or loses stability.
     fn hopf(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Hopf))
     }
 
-    /// Where stick-slip appears or disappears.
+    /// Parameters at which stick-slip appears or disappears.
     fn grazing(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Grazing))
     }
 
-    /// Where the largest velocity of a pure-slip cycle reaches the belt velocity.
+    /// Parameters at which the largest velocity of a pure-slip cycle reaches the belt velocity.
     fn touching(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Touching))
     }
 
-    /// Where stick-slip begins to overshoot.
+    /// Parameters at which stick-slip begins to overshoot.
     fn overshoot(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Overshoot))
     }
 
-    /// Where an overshooting cycle ceases to stick.
+    /// Parameters at which an overshooting cycle ceases to stick.
     fn crossing(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Crossing))
     }
 
-    /// Where a stable and an unstable cycle meet and vanish.
+    /// Parameters at which a stable and an unstable cycle meet and vanish.
     fn folds(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.ask(py, Question::Border(Border::Folds))
     }

@@ -366,7 +366,7 @@ pub fn settle(
     )
 }
 
-/// What a motion settles to: `classify`.
+/// The attractor that a motion approaches; returned by `classify`.
 #[pyclass(frozen, get_all, name = "Attractor", module = "stick_slip")]
 pub struct PyAttractor {
     /// "rest", "steady sliding", "pure slip", "stick-slip" or "irregular".
@@ -510,7 +510,7 @@ impl PyBifurcation {
 }
 
 record! {
-    /// Where a branch ends.
+    /// An end of a branch.
     BranchEnd {
         /// "range", "Hopf", "grazing", "discontinuity", "one-way slip", "birth", "closed", "work",
         /// "stopped" or "lost".
@@ -634,7 +634,7 @@ impl PyBranch {
         Numbers(self.points.iter().map(|point| point.0).collect())
     }
 
-    /// Whether the motion of each point is stable, as an array.
+    /// An array: True for each point whose motion is stable.
     #[getter]
     fn stable<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let stable = self
@@ -689,7 +689,7 @@ impl PyBranch {
             .collect()
     }
 
-    /// Where the branch ends, in the order of the branch.
+    /// The two ends of the branch, in the order of its points.
     #[getter]
     fn ends(&self) -> (BranchEnd, BranchEnd) {
         self.ends.clone()
@@ -947,7 +947,7 @@ record! {
         high: f64,
         /// The kinds of the attractors.
         attractors: Vec<String>,
-        /// What happens at the two borders; empty for a mass on a belt.
+        /// The changes at the two borders; empty for a mass on a belt.
         borders: Vec<String>,
     }
 
@@ -1141,7 +1141,7 @@ impl PyLocusPoint {
 /// A special point of a curve of bifurcations.
 #[pyclass(frozen, get_all, name = "SpecialPoint", module = "stick_slip")]
 pub struct PySpecialPoint {
-    /// What it is, for example "cusp", "1:3 resonance" or "Bautin".
+    /// The kind of the point, for example "cusp", "1:3 resonance" or "Bautin".
     kind: String,
     /// The two parameters, each in its own units.
     parameters: (f64, f64),
@@ -1161,7 +1161,7 @@ impl PySpecialPoint {
 }
 
 record! {
-    /// Where a curve of bifurcations ends.
+    /// An end of a curve of bifurcations.
     LocusEnd {
         /// "ranges", "closed", "special", "jump", "Hopf", "crawls", "work", "stopped" or "lost".
         kind: &'static str,
@@ -1204,9 +1204,9 @@ pub struct PyLocus {
     kind: String,
     /// The points of the curve.
     points: Vec<Py<PyLocusPoint>>,
-    /// Special points on it.
+    /// Special points on the curve.
     special: Vec<Py<PySpecialPoint>>,
-    /// Where it ends.
+    /// The two ends of the curve.
     ends: (LocusEnd, LocusEnd),
 }
 
@@ -1357,9 +1357,9 @@ impl From<bifurcation::HopfPoint> for HopfPoint {
 pub struct PyHopfLocus {
     /// The points of the curve.
     points: Vec<HopfPoint>,
-    /// Special points on it.
+    /// Special points on the curve.
     special: Vec<Py<PySpecialPoint>>,
-    /// Where it ends.
+    /// The two ends of the curve.
     ends: (LocusEnd, LocusEnd),
 }
 
@@ -1441,7 +1441,7 @@ record! {
     LyapunovExponent {
         /// The exponent, per unit of time: positive means chaos.
         value: f64,
-        /// Its standard error, per unit of time.
+        /// The standard error of the exponent, per unit of time.
         spread: f64,
     }
 }

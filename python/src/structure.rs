@@ -434,7 +434,8 @@ impl PyStructure {
         self.with(py, "frozen", (time,), |structure| structure.frozen(time))
     }
 
-    /// Where steady sliding gains or loses stability between two times of a speed profile.
+    /// The times between two given times at which steady sliding gains or loses stability, with the
+    /// drives held constant at each time.
     fn stability_changes(&self, start: f64, end: f64) -> PyResult<Vec<StabilityChange>> {
         let changes = self.0.stability_changes(start..end).or_raise()?;
         let changes = changes.into_iter().map(|change| StabilityChange {

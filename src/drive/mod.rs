@@ -134,9 +134,9 @@ impl Drive {
 
     /// Creates a drive of a function of your own, such as a chirp, a shock or a window.
     ///
-    /// Drives with a function can be compared, where the function is equal only to itself in a
-    /// clone of its drive, but not written (feature `serde`). The function may jump at its
-    /// breakpoints, where a [profile](Self::profile) may.
+    /// In comparisons, a function is equal only to itself in a clone of its drive. A drive with a
+    /// function cannot be written with the feature `serde`. At its breakpoints the function may
+    /// jump, with the same exceptions as a [profile](Self::profile).
     ///
     /// # Errors
     ///
@@ -269,8 +269,8 @@ impl Drive {
         self.at(Clock::at(time))[0]
     }
 
-    /// The slope f'(t) at a finite time, in the unit of the driven quantity per unit of time; NaN
-    /// where the [value](Self::value) is.
+    /// The slope f'(t) at a finite time, in the unit of the driven quantity per unit of time. The
+    /// result is NaN if the [value](Self::value) is NaN.
     pub fn slope(&self, time: f64) -> f64 {
         self.at(Clock::at(time))[1]
     }

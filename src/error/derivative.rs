@@ -8,7 +8,8 @@ use super::numbers::Plain;
 #[non_exhaustive]
 pub enum NotDifferentiable {
     /// Neighbouring motions on both sides of the parameter have other events, however small the
-    /// increment: for example, a contact only just sticks, or sliding only just touches a stop.
+    /// increment: for example, a contact only just sticks, or the relative velocity of a slipping
+    /// contact only just reaches 0.
     Events {
         /// The time of the first event that no neighbouring motion has, in units of time.
         time: f64,

@@ -72,9 +72,9 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
-    /// The normal load of a contact is not positive in steady sliding, and it can not be found open
-    /// either: a load that follows displacements is 0 to the last digit, or a load gradient alone
-    /// presses it, so that the surfaces part.
+    /// The normal load of a contact is not positive in steady sliding, and the contact cannot count
+    /// as open: either its load depends on displacements and is exactly 0, or it has a load
+    /// gradient, but neither a normal spring nor a load law.
     NoLoad {
         /// Number of the contact.
         contact: usize,
@@ -99,11 +99,11 @@ pub enum NotSliding {
         /// The first coordinate whose velocity changes such a force.
         coordinate: usize,
     },
-    /// A first-order state that integrates velocities grows at the given ones.
+    /// A first-order state that integrates velocities grows at the given velocities.
     Grows {
         /// Number of the state.
         state: usize,
-        /// Its rate, in units of the state per unit of time.
+        /// The rate of the state, in its units per unit of time.
         rate: f64,
     },
     /// A freewheel, or another contact with an infinite limit, would slip in the direction in which

@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 ///
 /// F is the force at the position x, U its potential, and c_i is in units of force per position^i.
 /// Without even powers the spring is symmetric. With c_1 > 0 and c_3 > 0 it hardens, with c_3 < 0
-/// it softens, and with c_1 < 0 < c_3 it has two equilibria beside 0 (a buckled beam).
+/// it softens, and with c_1 < 0 < c_3 it has two stable equilibria besides x = 0 (a buckled beam).
 ///
 /// Source: NIST Digital Library of Mathematical Functions, <https://dlmf.nist.gov/22.19>, part (ii),
 /// for free vibration; Kovacic and Brennan, *The Duffing Equation* (Wiley 2011).

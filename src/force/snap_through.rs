@@ -2,8 +2,9 @@ use super::ForceLaw;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// A linear spring that acts across its length, and snaps through its straight position: a shallow
-/// arch, a truss of two bars, a vibration isolator of low stiffness.
+/// A linear spring at an angle to the motion, which snaps through the position in which it is
+/// perpendicular to the motion: a shallow arch, a truss of two bars, a vibration isolator of low
+/// stiffness.
 ///
 /// ```text
 /// F(x) = k x (1 − L/r),   r = √(x² + l²),   U(x) = ½ k (r − L)²
@@ -14,9 +15,9 @@ use crate::scalar::Scalar;
 /// is the length of the spring, L its free length and k its stiffness. For two equal springs on
 /// both sides of the line, k is the sum of their stiffnesses.
 ///
-/// For L > l the position x = 0 is unstable, and the spring is relaxed at x = ±√(L² − l²). From
-/// there to 0 it resists with at most k (L^(2/3) − l^(2/3))^(3/2), at x² = (L l²)^(2/3) − l². For L
-/// < l the spring is stretched and hardens.
+/// For L > l the position x = 0 is unstable, and the spring is relaxed at x = ±√(L² − l²). Between
+/// these two positions the force is at most k (L^(2/3) − l^(2/3))^(3/2) in size, at
+/// x² = (L l²)^(2/3) − l². For L < l the spring is stretched and hardens.
 ///
 /// Source: Cao, Wiercigroch, Pavlovskaia, Grebogi and Thompson, *Phys. Rev. E* 74 (2006) 046218.
 ///

@@ -78,7 +78,7 @@ impl TabulatedForce {
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn piecewise_linear(points: &[(f64, f64)]) -> Result<Self, Error> {
         Self::joined(points, Join::Lines)
     }

@@ -92,7 +92,7 @@ impl Tabulated {
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn piecewise_linear(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         Self::joined(points.into_iter().collect(), Join::Lines)
     }

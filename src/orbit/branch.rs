@@ -120,9 +120,9 @@ impl fmt::Display for BifurcationKind {
 
 impl<S: SystemState> Branch<S> {
     /// The point of the branch at which the [amplitude](Orbit::amplitude) of a coordinate is
-    /// largest, for example of a resonance. `None` if the coordinate does not exist. The points of
-    /// a branch lie within 1/64 of the range: for more digits [`follow`](super::follow()) the
-    /// branch in a narrower range.
+    /// largest, for example of a resonance. `None` if the coordinate does not exist. Neighbouring
+    /// points of a branch are at most 1/64 of the range apart: for more digits
+    /// [`follow`](super::follow()) the branch in a narrower range.
     ///
     /// ```
     /// use stick_slip::orbit::{self, Period};
@@ -246,9 +246,9 @@ pub enum BranchEnd {
         /// The parameter of the change, to rounding.
         parameter: f64,
     },
-    /// The branch is a closed curve: it returned to its start. Or it meets itself: beyond its last
-    /// motion lie motions of the branch that were found before, such as the symmetric ones if it
-    /// left them at a change of the events, and comes back there as their mirror images.
+    /// The branch reached motions that it already contains. Either it is a closed curve, and
+    /// returned to its start, or it meets itself. For example, a branch leaves the symmetric
+    /// motions at a change of the events, and returns to this change along the mirror images.
     Closed,
     /// A limit of work was reached: 2048 points, 10⁷ integration steps or 50 000 motions tried, in
     /// one direction. [`Search`](super::Search) sets other limits of points and steps.

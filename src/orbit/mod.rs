@@ -197,8 +197,8 @@
 //! parallel, for a contact that slips because another one sticks, and for masses that stop or slip
 //! at the same instant and are connected by springs only. It does not hold if one event changes the
 //! time of another: for example, a mass that slips pulls on another one by a damper. For
-//! simultaneous events the matrix is computed with the delay of each event in the motion before all
-//! of them. This is the derivative, if there is one.
+//! simultaneous events, the delay of each event is computed from the perturbation and the flow just
+//! before all of them. The matrix is then the derivative, if a derivative exists.
 //!
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.

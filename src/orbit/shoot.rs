@@ -288,11 +288,12 @@ impl<'s> Problem<'s> {
 /// the value of the guess, to rounding. Such quantities are a momentum, the velocity of a mass that
 /// no friction brakes, or a memory variable minus a displacement. Any other conserved quantity,
 /// such as the energy of an undamped part, is conserved to rounding if the guess lies on a closed
-/// motion, as each state of a part with one coordinate does, once all other parts have settled.
-/// Otherwise it differs by the square of the distance of the guess from the closed motions. (Such a
-/// family is also searched with the time at which the motion from the guess passes nearest to the
-/// guess, from a half to one and a half of the estimate.) Motions that grow or decay by less than
-/// 1e-11 per period count as members of a family.
+/// motion. (Once all other parts have settled, this holds for every state of an undamped part with
+/// one coordinate.) Otherwise the quantity differs by the square of the distance of the guess from
+/// the closed motions. In this case, and if no motion is found, the search is repeated with another
+/// estimate of the period: the time, between a half and one and a half of the given estimate, at
+/// which the motion from the guess returns nearest to the guess. Motions that grow or decay by less
+/// than 1e-11 per period count as members of a family.
 ///
 /// An autonomous motion must leave its start and return. The residual must therefore also be small
 /// relative to the extent of the motion, however small this extent is. This excludes two false
@@ -453,8 +454,8 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<Found, 
 ///
 /// The length of the transient is in units of time. For a forced motion it is rounded up to whole
 /// periods of the drives. A long transient costs little: if [`shoot`] fails, make the transient
-/// longer. In a continuous family of motions the result conserves what the start conserves, as on
-/// the page of [`shoot`].
+/// longer. In a continuous family of motions, the result has the conserved quantities of the start;
+/// the page of [`shoot`] states how accurately.
 ///
 /// # Errors
 ///

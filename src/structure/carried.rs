@@ -7,8 +7,8 @@
 /// Contacts at rest whose directions are linearly dependent (parallel clutches; two brakes and the
 /// clutch between them) carry their load together, and nothing determines what each of them
 /// carries: any forces within their limits that balance the same load are possible. `least` and
-/// `most` are the ends of the range of these forces. `force` is one of them: of all that are
-/// possible, those of the least sum of squares of λ/(N μ_s).
+/// `most` are the ends of the range of these forces. `force` belongs to the possible distribution
+/// with the least sum of (λ/(N μ_s))² over these contacts.
 ///
 /// For all other contacts the three numbers are the same.
 #[derive(Debug, Clone, Copy, PartialEq)]

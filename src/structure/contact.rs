@@ -137,10 +137,10 @@ impl Contact {
     /// Creates a freewheel (one-way clutch) between two coordinates, without drag: r = v_i − v_j
     /// ≤ 0. It drives coordinate j by coordinate i, and lets j run ahead.
     ///
-    /// Its force λ ≥ 0 is what keeps r at 0. It takes part in the decisions of other contacts as
-    /// one whose limit forward is infinite; see [`Freewheel`], also for freewheels along any
-    /// direction. A motion that starts with r > 0 ends with [`Error::WrongWay`]. If several
-    /// freewheels would need an infinite force, the motion ends with [`Error::Jammed`].
+    /// Its force λ ≥ 0 keeps r at 0. In the common decision of several contacts, its limit forward
+    /// is infinite; see [`Freewheel`], also for freewheels along any direction. A start with r > 0
+    /// is refused with [`Error::WrongWay`]. If several freewheels would need an infinite force, the
+    /// motion ends with [`Error::Jammed`].
     ///
     /// # Errors
     ///

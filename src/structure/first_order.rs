@@ -184,7 +184,7 @@ impl FirstOrder {
     ///
     /// # Errors
     ///
-    /// Those of [`with_displacement`](Self::with_displacement).
+    /// The errors of [`with_displacement`](Self::with_displacement).
     pub fn with_velocity(mut self, coordinate: usize, gain: f64) -> Result<Self, Error> {
         add(&mut self.velocities, coordinate, gain)?;
         Ok(self)
@@ -196,7 +196,7 @@ impl FirstOrder {
     ///
     /// # Errors
     ///
-    /// Those of [`with_displacement`](Self::with_displacement).
+    /// The errors of [`with_displacement`](Self::with_displacement).
     pub fn with_state(mut self, state: usize, gain: f64) -> Result<Self, Error> {
         add(&mut self.states, state, gain)?;
         Ok(self)
@@ -218,7 +218,7 @@ impl FirstOrder {
     ///
     /// # Errors
     ///
-    /// Those of [`ForceElement::along`](crate::ForceElement::along).
+    /// The errors of [`ForceElement::along`](crate::ForceElement::along).
     pub fn with_law<L: ForceLaw + Send + Sync + 'static>(
         self,
         direction: &[(usize, f64)],
@@ -233,7 +233,7 @@ impl FirstOrder {
     ///
     /// # Errors
     ///
-    /// Those of [`ForceElement::new`](crate::ForceElement::new).
+    /// The errors of [`ForceElement::new`](crate::ForceElement::new).
     ///
     /// ```
     /// use stick_slip::{FirstOrder, PolynomialSpring, Structure, structure::State};
@@ -271,7 +271,7 @@ impl FirstOrder {
     ///
     /// # Errors
     ///
-    /// Those of [`with_displacement`](Self::with_displacement).
+    /// The errors of [`with_displacement`](Self::with_displacement).
     pub fn with_force(mut self, coordinate: usize, gain: f64) -> Result<Self, Error> {
         add(&mut self.forces, coordinate, gain)?;
         Ok(self)

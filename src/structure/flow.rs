@@ -138,9 +138,9 @@ impl Structure {
     /// A contact on whose direction no other contact at rest depends is a mechanism by itself.
     /// Contacts with linearly dependent directions slip together, as the page of
     /// [`Structure`](Self#contacts-that-share-masses) says. A motion and its opposite are two
-    /// mechanisms. Those against an infinite limit, that of a freewheel, are left out, and so are
-    /// elastic contacts: their forces are numbers of the state. The mechanisms are ordered by the
-    /// numbers of their contacts.
+    /// mechanisms. Mechanisms against the infinite limit of a freewheel are left out. Elastic
+    /// contacts belong to no mechanism, because the state contains their forces. The mechanisms are
+    /// ordered by the numbers of their contacts.
     ///
     /// # Errors
     ///

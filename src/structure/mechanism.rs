@@ -8,9 +8,9 @@
 /// ```
 ///
 /// s_c is the relative velocity of contact c, in units of that of the first contact. Power and
-/// resistance are therefore forces: those of the first contact, if it slips alone. The forces λ_c
-/// may not be [determined](crate::structure::Carried::is_determined), but the power is: that of the
-/// load, inertia included. The contacts begin to slip where the margin falls to 0.
+/// resistance are therefore forces: those of the first contact, if it slips alone. Even if the
+/// forces λ_c are not [determined](crate::structure::Carried::is_determined), their power is: it is
+/// the power of the load, inertia included. The contacts begin to slip when the margin falls to 0.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -24,8 +24,8 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// What is left before these contacts slip, in units of force: the resistance minus the power.
-    /// At the instant of slip it is 0 within rounding.
+    /// The margin, resistance minus power, in units of force. When these contacts begin to slip, it
+    /// is 0 within rounding.
     pub fn margin(&self) -> f64 {
         self.resistance - self.power
     }

@@ -81,9 +81,9 @@ use crate::friction::memory::ContactLaw;
 ///   shrinks to 0.
 ///
 /// Contacts that reach the ends of their stick bands at the same time are compared by the first
-/// derivatives of r that are not 0, in place of r'. A contact whose r stays 0 sticks, also if its
-/// force stays at its limit: blocks of one material on each other, of which the lowest is pulled,
-/// move as one body on it.
+/// derivatives of r that are not 0, instead of r'. A contact whose r stays 0 sticks, even if its
+/// force stays at its limit: a stack of blocks of one material moves as one body if its lowest
+/// block is pulled.
 ///
 /// The result does not depend on the numbering of contacts.
 ///

@@ -20,23 +20,26 @@ use crate::scalar::Scalar;
 /// the sum b₁φ₁ + b₂φ₂ in place of bφ, and a rate for each with its own D_c.
 ///
 /// There is no stick mode: a contact that seems to stick creeps, and every change of sign of r is a
-/// [`Crossing`](crate::EventKind::Crossing). The aging law passes r = 0. In the slip law V ln V is
-/// not analytic there, so a motion that reverses ends with
-/// [`Error::NotAnalytic`] unless the law has a [least speed](Self::with_least_speed).
+/// [`Crossing`](crate::EventKind::Crossing). Under the aging law a motion passes r = 0. In the slip
+/// law V ln V is not analytic there, so a motion that reverses ends with [`Error::NotAnalytic`]
+/// unless the law has a [least speed](Self::with_least_speed).
 ///
-/// Where the contact creeps, its speed settles at the rate N a/(m V), far above the rates of the
-/// motion. The motion is then followed on its slow manifold: a seismic cycle from 1e-15 to 0.4 m/s
-/// takes some 170 steps. The speed has a relative error of about μ/a roundings, whatever the
-/// method, because 1/a of it is in the balance of forces. A structure without inertia is not
-/// offered: take a small mass. A period changes in proportion to it, by 5e-8 with 1e-6 η²/k beside
-/// the damping η of radiated waves and a stiffness k. Let the surface move with the plate, as in
-/// the example below, so that no number grows with time.
+/// Where the contact creeps, its speed settles at the rate N a/(m V), much faster than the motion
+/// changes. The motion is then followed on its slow manifold: a seismic cycle from 1e-15 to 0.4 m/s
+/// takes some 170 steps. With any method, the speed has a relative error of about ε μ/a (ε =
+/// 2.2e-16), because a relative change of the speed by this amount changes μ by a rounding error.
 ///
-/// [`shoot`](crate::orbit::shoot) finds cycles best from a state between two earthquakes, such as
-/// that in which [`section_through`](crate::orbit::section_through) sees the contact become slow.
-/// Its multipliers have an error of some 1e-12. The eigenvalues of steady sliding keep their digits
-/// beside the rate N a/(m V), however large: [`begin`](crate::orbit::begin) and
-/// [`hopf_locus`](crate::bifurcation::hopf_locus()) find the critical stiffness at any speed.
+/// The mass must not be 0: for a motion without inertia take a small mass m. Its relative effect on
+/// a period is proportional to m: 5e-8 for m = 1e-6 η²/k, with the damping η of radiated waves and
+/// the stiffness k. Let the surface move with the plate, as in the example below, so that no number
+/// grows with time.
+///
+/// To find a cycle, start [`shoot`](crate::orbit::shoot) from a state between two earthquakes, for
+/// example from a passage of [`section_through`](crate::orbit::section_through) at which the
+/// contact becomes slow. The multipliers of the cycle have an error of some 1e-12. The eigenvalues
+/// of steady sliding are accurate however large the rate N a/(m V) is, so
+/// [`begin`](crate::orbit::begin) and [`hopf_locus`](crate::bifurcation::hopf_locus()) find the
+/// critical stiffness at any speed.
 ///
 /// Sources: J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (aging); A. Ruina, *J. Geophys.
 /// Res.* 88 (1983) 10359-10370 (slip); J. R. Rice, N. Lapusta, K. Ranjith, *J. Mech. Phys. Solids*
@@ -199,9 +202,10 @@ impl<const STATES: usize> RateState<STATES> {
         }
     }
 
-    /// Takes ln(V_m/V₀) for ln(V/V₀) in the rates of the slip law at speeds V below V_m > 0, in
-    /// units of velocity. A motion then passes r = 0. The rates are 0 there in any case, and V_m =
-    /// 10⁻³⁰ V₀ changes no digit of a motion. The aging law does not need it.
+    /// Sets a least speed V_m > 0, in units of velocity: at speeds V below V_m, ln(V_m/V₀) replaces
+    /// ln(V/V₀) in the rates of the slip law, so that a motion can pass r = 0. (The rates are 0
+    /// there in any case.) V_m = 10⁻³⁰ V₀ changes no digit of a motion. The aging law needs no
+    /// least speed.
     ///
     /// # Errors
     ///
@@ -214,9 +218,9 @@ impl<const STATES: usize> RateState<STATES> {
         })
     }
 
-    /// Coefficient of steady sliding at a speed V > 0: f₀ + (a − Σ b) ln(V/V₀), dimensionless.
-    /// Exact to a exp(−2μ/a), below rounding unless μ/a < 18: there it is that of the law with
-    /// arsinh.
+    /// Coefficient of steady sliding at a speed V > 0, dimensionless: the value of the law with
+    /// arsinh. It differs from f₀ + (a − Σ b) ln(V/V₀) by a exp(−2μ/a), which is less than rounding
+    /// if μ/a > 18.
     pub fn steady(&self, v: f64) -> f64 {
         let slip = Slip {
             speed: v,

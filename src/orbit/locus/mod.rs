@@ -58,7 +58,7 @@ use crate::search::Search;
 /// | fold, flip, Neimark-Sacker | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier is 1 (fold) or −1 (flip), or if a pair of multipliers is exp(±iθ) |
 /// | grazing, within a branch or [at its end](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
 /// | pitchfork | of the same name | a scalar computed from a bordered matrix; 0 if a multiplier of the map G is −1 |
-/// | change of events: at an instant of zero relative velocity, a contact sticks on one side of the curve and not on the other (onset of stops) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
+/// | change of events: at an instant of zero relative velocity, a contact sticks on one side of the curve and not on the other (onset of stops, that is, of phases of stick) | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that the contact needs to stick, the load N and the static coefficient μ_s |
 /// | change of events: two contacts have events at the same time | [`Order`](LocusKind::Order) | the time between two events of two contacts |
 ///
 /// For a pitchfork, G(x) = x replaces the first equation. G is the map over half a period, followed
@@ -107,12 +107,12 @@ use crate::search::Search;
 /// For five changes of events no curve can be computed:
 ///
 /// * a sticking contact reaches its limit tangentially;
-/// * a [stop](crate::Stop) is touched;
+/// * a [`Stop`](crate::Stop) is touched;
 /// * a load falls to 0 and opens a contact;
 /// * a drive jumps;
-/// * a stop begins at a contact that does not have its coordinate to itself.
+/// * a contact that shares its coordinate begins to stick (an onset of stops).
 ///
-/// A contact has its coordinate i to itself if four conditions hold: the contact is rigid, it is
+/// A contact does not share its coordinate i if four conditions hold: the contact is rigid, it is
 /// created by `Contact::new(i, ..)`, coordinate i has no second rigid contact, and the mass matrix
 /// does not couple coordinate i to others.
 ///

@@ -59,14 +59,15 @@ const SMALL: f64 = 1e-3;
 /// which a simulation showed stick. The branches also contain motions that no simulation from
 /// steady sliding reaches.
 ///
-/// A motion that lies on two branches counts once, and so do the motions of a family in which
-/// contacts that never slip have different positions. Masses at rest on a branch count as steady
-/// sliding or rest, also if drives vary, and once, whatever forces their joints carry. Bifurcations
-/// are exact to about 1e-10 of the range, like those of [`follow`](super::follow()). Hopf points in
-/// [`VibrationRange::parameters`] are exact to rounding, because they follow from the eigenvalues
-/// of steady sliding. Parameters at which the family returns an error belong to no range; the
-/// ranges next to them end with [`Border::NoSystem`]. What any of the searches reaches is reported.
-/// Attractors that none of them reaches are missed: another start may lead to another attractor.
+/// A motion that lies on two branches counts once. The motions of a family in which contacts that
+/// never slip have different positions count as one. Masses at rest on a branch count as steady
+/// sliding or rest, also if drives vary; such motions that differ only in the forces of joints
+/// count as one. Bifurcations are exact to about 1e-10 of the range, like those of
+/// [`follow`](super::follow()). Hopf points in [`VibrationRange::parameters`] are exact to
+/// rounding, because they follow from the eigenvalues of steady sliding. Parameters at which the
+/// family returns an error belong to no range; the ranges next to them end with
+/// [`Border::NoSystem`]. What any of the searches reaches is reported. Attractors that none of them
+/// reaches are missed: another start may lead to another attractor.
 ///
 /// In steady sliding a contact slides if its surface moves; any other contact, such as a joint
 /// between masses, sticks, and its force may have any value within its limit. Steady sliding counts

@@ -46,10 +46,10 @@ pub struct EventSensitivity {
     /// The kind of event.
     pub kind: EventKind,
     /// The derivative ∂t/∂p of the time with respect to each parameter p, in units of time per unit
-    /// of the parameter. NaN if only the states have a derivative. Either another contact has an
-    /// event at the same instant, and the time of this event depends on which of them happens
-    /// first; or the contact only just sticks or slips, and the time changes with the root of the
-    /// parameter.
+    /// of the parameter. NaN if only the states have a derivative, for one of two reasons. Another
+    /// contact has an event at the same instant, and the time of this event depends on which of
+    /// them happens first. Or the contact only just sticks or slips, and the time changes like the
+    /// square root of the change of the parameter.
     pub by_parameters: Vec<f64>,
 }
 
