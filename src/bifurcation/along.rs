@@ -215,22 +215,9 @@ impl<'f> RangeSearch<'f> {
 
     /// The range, if it is finite and not empty.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
-        let Range { start, end } = self.range;
-        Error::check(
-            "bifurcation::along",
-            "range.start",
-            start,
-            true,
-            "start < end",
-        )?;
-        Error::check(
-            "bifurcation::along",
-            "range.end",
-            end,
-            end > start,
-            "start < end",
-        )?;
-        Ok(start..end)
+        let names = ["range.start", "range.end"];
+        Error::check_range("bifurcation::along", names, &self.range)?;
+        Ok(self.range.clone())
     }
 
     /// The parts of the range that are searched, ascending: the belt moves differently on the two

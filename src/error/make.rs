@@ -1,5 +1,7 @@
 //! Errors from checks, and errors that get their place.
 
+use std::ops::Range;
+
 use super::{Element, Error, Reached};
 
 impl Error {
@@ -14,6 +16,23 @@ impl Error {
             value,
             source: Box::new(self),
         }
+    }
+
+    /// [`at`](Self::at) with both parameters of a search over two.
+    pub(crate) fn at_pair(self, [first, second]: [f64; 2]) -> Self {
+        self.at("second parameter", second)
+            .at("first parameter", first)
+    }
+
+    /// Checks that a range is finite and not empty. `names` are those of its ends.
+    pub(crate) fn check_range(
+        of: &'static str,
+        names: [&'static str; 2],
+        range: &Range<f64>,
+    ) -> Result<(), Self> {
+        let Range { start, end } = *range;
+        Self::check(of, names[0], start, true, "start < end")?;
+        Self::check(of, names[1], end, end > start, "start < end").map(drop)
     }
 
     /// Returns `value` if it is finite and `in_range`, otherwise [`Error::InvalidParameter`]. `of`

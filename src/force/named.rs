@@ -1,5 +1,5 @@
 use std::fmt;
-#[cfg(feature = "serde")]
+use std::ops::Deref;
 use std::sync::Arc;
 
 use super::object::{ForceObject, OneDirection};
@@ -31,9 +31,9 @@ macro_rules! named {
 
             /// The law of an element.
             #[cfg(feature = "serde")]
-            pub(crate) fn object(self) -> Arc<dyn ForceObject + Send + Sync> {
+            pub(crate) fn object(self) -> SharedForce {
                 match self {
-                    $(Self::$law(law) => Arc::new(OneDirection(law)),)*
+                    $(Self::$law(law) => SharedForce::new(OneDirection(law)),)*
                 }
             }
         }
@@ -47,6 +47,45 @@ macro_rules! named {
             }
         }
     };
+}
+
+/// A force law without its type, shared with clones. Laws of the crate are equal if their types and
+/// numbers are equal, a user's law only to itself.
+#[derive(Clone)]
+pub(crate) struct SharedForce(Arc<dyn ForceObject + Send + Sync>);
+
+impl SharedForce {
+    pub(crate) fn new(law: impl ForceObject + Send + Sync + 'static) -> Self {
+        Self(Arc::new(law))
+    }
+
+    /// The law, if it is one of the crate.
+    pub(crate) fn named(&self) -> Option<NamedForce> {
+        NamedForce::of(&*self.0)
+    }
+}
+
+impl Deref for SharedForce {
+    type Target = dyn ForceObject;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+impl PartialEq for SharedForce {
+    fn eq(&self, other: &Self) -> bool {
+        match [self, other].map(Self::named) {
+            [Some(one), Some(other)] => one == other,
+            _ => Arc::ptr_eq(&self.0, &other.0),
+        }
+    }
+}
+
+impl fmt::Debug for SharedForce {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
 }
 
 named!(Backlash Pendulum PolynomialSpring SnapThrough TabulatedForce VanDerPol);

@@ -12,6 +12,7 @@ use super::hold::{Hold, Touch};
 use super::multipliers::multipliers;
 use super::translation::{Translation, Turning};
 use super::unslipped::Unslipped;
+use crate::error::Error;
 use crate::motion::{Event, Mode, Segment};
 use crate::numerics::least_norm::directions;
 use crate::state::structure::State;
@@ -156,6 +157,15 @@ impl PeriodMap {
     /// The largest residual, each number in units of its size.
     pub(super) fn miss(&self) -> f64 {
         self.residual().component_div(&self.sizes()).amax()
+    }
+
+    /// The error if this motion does not close.
+    pub(super) fn not_periodic(&self, period: f64) -> Error {
+        Error::NotPeriodic {
+            residual: self.miss(),
+            period,
+            start: self.start.clone(),
+        }
     }
 
     /// The factor by which the motion magnifies perturbations, at least 1: the largest derivative

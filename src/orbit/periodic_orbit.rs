@@ -152,11 +152,8 @@ impl Properties {
         let apart = run::begun_apart(form, map, period)?;
         let begun = apart.as_ref().unwrap_or(map);
         let is_free = matches!(kind, Period::Free(_));
-        let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {
-            residual: found.residual,
-            period,
-            start: map.start.clone(),
-        })?;
+        let multipliers = begun.multipliers(is_free);
+        let multipliers = multipliers.ok_or_else(|| found.not_periodic())?;
         let mut families = families(form, map, is_free, period);
         if map.begins() != 0.0 && !families.is_empty() {
             let found = carried(form, map, DMatrix::from_columns(&families), period)?;

@@ -237,7 +237,7 @@ impl<'s> Problem<'s> {
                 None => break,
             }
         }
-        Err(self.failure(best))
+        Err(self.failure(&best))
     }
 
     /// A closed motion, if it leaves its start and returns; `step` is the last Newton step.
@@ -260,11 +260,11 @@ impl<'s> Problem<'s> {
                 _ => Ok(found),
             };
         }
-        Err(self.failure(found))
+        Err(self.failure(&found))
     }
 
     /// The error for a trial that is no periodic motion: an autonomous one may be at rest.
-    fn failure(&self, trial: TrialMotion) -> Error {
+    fn failure(&self, trial: &TrialMotion) -> Error {
         let sizes = trial.map.sizes();
         let moved = trial.map.flow[0].component_div(&sizes).amax() * self.estimate;
         if self.section.is_some() && moved <= CLOSED.sqrt() {

@@ -45,11 +45,8 @@ impl TrialMotion {
         })
     }
 
-    pub(super) fn not_periodic(self) -> Error {
-        Error::NotPeriodic {
-            residual: self.residual,
-            period: self.period,
-            start: self.map.start,
-        }
+    /// The error if this motion does not close.
+    pub(super) fn not_periodic(&self) -> Error {
+        self.map.not_periodic(self.period)
     }
 }

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::direction::checked_direction;
+use super::direction::{add_entry, check_coordinates, checked_direction};
 use super::engine::contact::ContactData;
 use super::engine::element::ElementData;
 use super::force_element::ForceElement;
@@ -255,16 +255,7 @@ impl Contact {
     /// [`Error::InvalidParameter`] if n is not finite, or if the sum of n and the gradient already
     /// set for this coordinate is not finite.
     pub fn with_load_gradient(mut self, coordinate: usize, gradient: f64) -> Result<Self, Error> {
-        let place = self
-            .load_gradient
-            .partition_point(|&(other, _)| other < coordinate);
-        let mut sum = gradient;
-        if let Some(&(other, old)) = self.load_gradient.get(place)
-            && other == coordinate
-        {
-            self.load_gradient.remove(place);
-            sum += old;
-        }
+        let sum = add_entry(&mut self.load_gradient, coordinate, gradient);
         Error::check(
             "Contact",
             "gradient",
@@ -272,9 +263,6 @@ impl Contact {
             sum.is_finite(),
             "a finite sum",
         )?;
-        if sum != 0.0 {
-            self.load_gradient.insert(place, (coordinate, sum));
-        }
         Ok(self)
     }
 
@@ -476,18 +464,11 @@ impl Contact {
         let gradients = self.whole_gradient().map(|(j, _)| j);
         let laws = self.load_laws.iter().flat_map(ForceElement::directions);
         let laws = laws.flatten().map(|&(j, _)| j);
-        let mut coordinates = std::iter::once(self.coordinate)
+        let coordinates = std::iter::once(self.coordinate)
             .chain(direction)
             .chain(gradients)
             .chain(laws);
-        let count = masses.len();
-        if let Some(coordinate) = coordinates.find(|&coordinate| coordinate >= count) {
-            return Err(Error::NoSuchCoordinate {
-                element,
-                coordinate,
-                count,
-            });
-        }
+        check_coordinates(element, coordinates, masses.len())?;
         // At most bᵀM⁻¹b, by which forces are divided: digits are lost below the normal numbers.
         let parts = self.direction.iter().map(|&(j, b)| b / masses[j] * b);
         let compliance = parts.sum();

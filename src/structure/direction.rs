@@ -1,6 +1,6 @@
-//! Directions of contacts, springs and force elements.
+//! Directions of contacts, springs and force elements, and other lists of numbers by coordinate.
 
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::numerics::sort::sort_by;
 
 /// The first coordinate of a direction, and its entries by ascending coordinate, without zeros.
@@ -21,4 +21,37 @@ pub(super) fn checked_direction(
             direction: given.to_vec(),
         }),
     }
+}
+
+/// Checks that the coordinates of an element are among the first `count`.
+pub(super) fn check_coordinates(
+    element: Element,
+    mut coordinates: impl Iterator<Item = usize>,
+    count: usize,
+) -> Result<(), Error> {
+    match coordinates.find(|&coordinate| coordinate >= count) {
+        None => Ok(()),
+        Some(coordinate) => Err(Error::NoSuchCoordinate {
+            element,
+            coordinate,
+            count,
+        }),
+    }
+}
+
+/// Adds a number to that of a coordinate in a list by ascending coordinate, which has no zeros.
+/// Returns the sum.
+pub(super) fn add_entry(entries: &mut Vec<(usize, f64)>, coordinate: usize, number: f64) -> f64 {
+    let place = entries.partition_point(|&(other, _)| other < coordinate);
+    let is_new = entries.get(place).is_none_or(|entry| entry.0 != coordinate);
+    if is_new {
+        entries.insert(place, (coordinate, 0.0));
+    }
+    let sum = entries[place].1 + number;
+    if sum == 0.0 {
+        entries.remove(place);
+    } else {
+        entries[place].1 = sum;
+    }
+    sum
 }

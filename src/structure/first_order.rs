@@ -1,14 +1,13 @@
 use std::borrow::Cow;
-use std::fmt;
 use std::sync::Arc;
 
-use super::direction::checked_direction;
+use super::direction::{add_entry, check_coordinates, checked_direction};
 use super::engine::element::ElementData;
 use super::engine::first_order::FirstOrderData;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
-use crate::force::object::{ForceObject, OneDirection};
-use crate::force::{ForceLaw, NamedForce, validate};
+use crate::force::object::OneDirection;
+use crate::force::{ForceLaw, SharedForce, validate};
 
 /// A first-order state z of a [`Structure`](crate::Structure): the integral of a controller, the
 /// current of a motor, the pressure of an actuator, the output of a filter, the force of a Maxwell
@@ -56,7 +55,7 @@ use crate::force::{ForceLaw, NamedForce, validate};
 /// assert!((motion.last().memory[0] - force).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-#[derive(Clone)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -76,10 +75,10 @@ pub struct FirstOrder {
 }
 
 /// A law in the rate of a state, with its input.
-#[derive(Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct RateLaw {
     pub(super) input: Input,
-    law: Arc<dyn ForceObject + Send + Sync>,
+    pub(super) law: SharedForce,
 }
 
 /// The input of a law in the rate of a state.
@@ -225,7 +224,10 @@ impl FirstOrder {
         law: L,
     ) -> Result<Self, Error> {
         let direction = checked_direction(direction)?.1;
-        self.and_law(Input::Direction(direction), Arc::new(OneDirection(law)))
+        self.and_law(
+            Input::Direction(direction),
+            SharedForce::new(OneDirection(law)),
+        )
     }
 
     /// Adds F(x, 0) to the input, with x = z_k; k is the number of a state in the structure, and
@@ -253,15 +255,11 @@ impl FirstOrder {
         state: usize,
         law: L,
     ) -> Result<Self, Error> {
-        self.and_law(Input::State(state), Arc::new(OneDirection(law)))
+        self.and_law(Input::State(state), SharedForce::new(OneDirection(law)))
     }
 
     /// Adds a law without its type.
-    pub(super) fn and_law(
-        mut self,
-        input: Input,
-        law: Arc<dyn ForceObject + Send + Sync>,
-    ) -> Result<Self, Error> {
+    pub(super) fn and_law(mut self, input: Input, law: SharedForce) -> Result<Self, Error> {
         validate(&*law)?;
         self.laws.push(RateLaw { input, law });
         Ok(self)
@@ -331,14 +329,8 @@ impl FirstOrder {
             Input::State(_) => &[],
         });
         let lists = [&self.displacements, &self.velocities, &self.forces];
-        let mut coordinates = lists.into_iter().flatten().chain(along).map(|&(j, _)| j);
-        if let Some(coordinate) = coordinates.find(|&coordinate| coordinate >= count) {
-            return Err(Error::NoSuchCoordinate {
-                element,
-                coordinate,
-                count,
-            });
-        }
+        let coordinates = lists.into_iter().flatten().chain(along).map(|&(j, _)| j);
+        check_coordinates(element, coordinates, count)?;
         let of_laws = laws.filter_map(|input| match input {
             Input::State(state) => Some(*state),
             Input::Direction(_) => None,
@@ -400,73 +392,6 @@ impl FirstOrder {
 
 /// Adds a gain.
 fn add(gains: &mut Vec<(usize, f64)>, number: usize, gain: f64) -> Result<(), Error> {
-    let place = gains.partition_point(|&(other, _)| other < number);
-    let old = gains.get(place).filter(|(other, _)| *other == number);
-    let old = old.map(|&(_, old)| old);
-    let sum = old.unwrap_or(0.0) + gain;
-    Error::check("FirstOrder", "gain", gain, sum.is_finite(), "a finite sum")?;
-    if old.is_some() {
-        gains.remove(place);
-    }
-    if sum != 0.0 {
-        gains.insert(place, (number, sum));
-    }
-    Ok(())
-}
-
-impl RateLaw {
-    /// The law, if it is one of the crate.
-    pub(super) fn named(&self) -> Option<NamedForce> {
-        NamedForce::of(&*self.law)
-    }
-}
-
-/// Compares inputs and laws. Laws of this crate are equal if their types and numbers are equal; a
-/// law of your own is equal only to itself, in a clone.
-impl PartialEq for RateLaw {
-    fn eq(&self, other: &Self) -> bool {
-        let is_same_law = match [self, other].map(Self::named) {
-            [Some(one), Some(other)] => one == other,
-            _ => Arc::ptr_eq(&self.law, &other.law),
-        };
-        is_same_law && self.input == other.input
-    }
-}
-
-/// Compares all numbers and laws. Laws of this crate are equal if their types and numbers are
-/// equal; a law of your own is equal only to itself, in a clone of its state.
-impl PartialEq for FirstOrder {
-    fn eq(&self, other: &Self) -> bool {
-        self.time_constant == other.time_constant
-            && self.displacements == other.displacements
-            && self.velocities == other.velocities
-            && self.states == other.states
-            && self.drive == other.drive
-            && self.laws == other.laws
-            && self.forces == other.forces
-    }
-}
-
-impl fmt::Debug for FirstOrder {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("FirstOrder")
-            .field("time_constant", &self.time_constant)
-            .field("displacements", &self.displacements)
-            .field("velocities", &self.velocities)
-            .field("states", &self.states)
-            .field("drive", &self.drive)
-            .field("laws", &self.laws)
-            .field("forces", &self.forces)
-            .finish()
-    }
-}
-
-impl fmt::Debug for RateLaw {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let law: &dyn ForceObject = &*self.law;
-        f.debug_struct("RateLaw")
-            .field("input", &self.input)
-            .field("law", &law)
-            .finish()
-    }
+    let sum = add_entry(gains, number, gain);
+    Error::check("FirstOrder", "gain", gain, sum.is_finite(), "a finite sum").map(drop)
 }

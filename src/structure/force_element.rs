@@ -1,13 +1,12 @@
 use std::borrow::Cow;
-use std::fmt;
 use std::sync::Arc;
 
-use super::direction::checked_direction;
+use super::direction::{check_coordinates, checked_direction};
 use super::engine::element::ElementData;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
-use crate::force::object::{ForceObject, OneDirection, SeveralDirections};
-use crate::force::{ForceField, ForceLaw, NamedForce, validate};
+use crate::force::object::{OneDirection, SeveralDirections};
+use crate::force::{ForceField, ForceLaw, SharedForce, validate};
 
 /// A force that is not linear in displacements and velocities: a nonlinear spring or damper between
 /// coordinates, a pendulum, backlash, or a force of several coordinates.
@@ -31,7 +30,8 @@ use crate::force::{ForceField, ForceLaw, NamedForce, validate};
 ///
 /// The mass matrix is constant, so inertia that depends on displacements (a double pendulum)
 /// cannot be described; forces of any shape can. Events of contacts are unchanged: the force is
-/// continuous. A passage of a breakpoint of the law ends a step, but is no event.
+/// continuous. A passage of a breakpoint of the law ends a step, but is no event. Elements are equal
+/// if their data are; a law of your own is equal only to itself, in a clone of its element.
 ///
 /// ```
 /// use stick_slip::{ForceElement, ForceLaw, Scalar, Structure, structure::State};
@@ -52,7 +52,7 @@ use crate::force::{ForceField, ForceLaw, NamedForce, validate};
 /// assert!((motion.last().displacements[0] - 2.0).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-#[derive(Clone)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -62,7 +62,7 @@ use crate::force::{ForceField, ForceLaw, NamedForce, validate};
 pub struct ForceElement {
     /// a_i, each by ascending coordinate; no entry is 0.
     directions: Vec<Vec<(usize, f64)>>,
-    law: Arc<dyn ForceObject + Send + Sync>,
+    law: SharedForce,
     factor: Arc<Drive>,
 }
 
@@ -107,7 +107,7 @@ impl ForceElement {
         direction: &[(usize, f64)],
         law: L,
     ) -> Result<Self, Error> {
-        Self::with(&[direction], Arc::new(OneDirection(law)))
+        Self::with(&[direction], SharedForce::new(OneDirection(law)))
     }
 
     /// Creates an element of several directions a_i, x_i = Σ_j a_ij q_j.
@@ -121,14 +121,11 @@ impl ForceElement {
         directions: &[&[(usize, f64)]],
         field: F,
     ) -> Result<Self, Error> {
-        Self::with(directions, Arc::new(SeveralDirections(field)))
+        Self::with(directions, SharedForce::new(SeveralDirections(field)))
     }
 
     /// Creates an element with a law without its type.
-    pub(super) fn with(
-        directions: &[&[(usize, f64)]],
-        law: Arc<dyn ForceObject + Send + Sync>,
-    ) -> Result<Self, Error> {
+    pub(super) fn with(directions: &[&[(usize, f64)]], law: SharedForce) -> Result<Self, Error> {
         let (found, expected) = (directions.len(), law.count());
         if found != expected {
             return Err(Error::WrongSize {
@@ -172,9 +169,9 @@ impl ForceElement {
         &self.factor
     }
 
-    /// The law of the element, if it is one of the crate.
-    pub(super) fn named(&self) -> Option<NamedForce> {
-        NamedForce::of(&*self.law)
+    #[cfg(feature = "serde")]
+    pub(super) fn law(&self) -> &SharedForce {
+        &self.law
     }
 
     /// The element as the engine needs it.
@@ -185,37 +182,7 @@ impl ForceElement {
 
     /// Checks that this may be element number `number` of a structure with so many coordinates.
     pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
-        let mut coordinates = self.directions.iter().flatten().map(|&(j, _)| j);
-        match coordinates.find(|&coordinate| coordinate >= count) {
-            None => Ok(()),
-            Some(coordinate) => Err(Error::NoSuchCoordinate {
-                element: Element::ForceElement(number),
-                coordinate,
-                count,
-            }),
-        }
-    }
-}
-
-/// Compares the data of two elements. Laws of this crate are equal if their types and numbers are
-/// equal. A law of your own is equal only to itself, in a clone of its element.
-impl PartialEq for ForceElement {
-    fn eq(&self, other: &Self) -> bool {
-        let is_same_law = match [self, other].map(Self::named) {
-            [Some(one), Some(other)] => one == other,
-            _ => Arc::ptr_eq(&self.law, &other.law),
-        };
-        is_same_law && self.directions == other.directions && self.factor == other.factor
-    }
-}
-
-impl fmt::Debug for ForceElement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let law: &dyn ForceObject = &*self.law;
-        f.debug_struct("ForceElement")
-            .field("directions", &self.directions)
-            .field("law", &law)
-            .field("factor", &self.factor)
-            .finish()
+        let coordinates = self.directions.iter().flatten().map(|&(j, _)| j);
+        check_coordinates(Element::ForceElement(number), coordinates, count)
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::direction::check_coordinates;
 use crate::error::{Element, Error};
 
 /// The largest number of coordinates: a matrix of this size takes 128 MiB.
@@ -107,16 +108,7 @@ pub(super) fn add(
     (i, j): (usize, usize),
     value: f64,
 ) -> Result<(), Error> {
-    let count = matrix.nrows();
-    for coordinate in [i, j] {
-        if coordinate >= count {
-            return Err(Error::NoSuchCoordinate {
-                element,
-                coordinate,
-                count,
-            });
-        }
-    }
+    check_coordinates(element, [i, j].into_iter(), matrix.nrows())?;
     let sum = matrix[(i, j)] + value;
     Error::check("Structure", "value", value, sum.is_finite(), "a finite sum")
         .map_err(|error| error.of_element(element))?;

@@ -173,7 +173,7 @@ impl From<super::ForceElement> for ElementText<Written<NamedForce>> {
         // Only a user's field has several directions.
         Self {
             direction: element.directions().concat(),
-            law: Written(element.named()),
+            law: Written(element.law().named()),
             factor: element.factor().clone(),
         }
     }
@@ -219,7 +219,7 @@ impl From<super::FirstOrder> for FirstOrderText<Written<NamedForce>> {
     fn from(state: super::FirstOrder) -> Self {
         let laws = state.laws().iter().map(|law| RateLawText {
             of: law.input.clone(),
-            law: Written(law.named()),
+            law: Written(law.law.named()),
         });
         Self {
             time_constant: state.time_constant(),

@@ -136,10 +136,9 @@ impl Structure {
     #[doc(alias = "Hopf")]
     #[doc(alias = "slow passage")]
     pub fn stability_changes(&self, times: Range<f64>) -> Result<Vec<StabilityChange>, Error> {
+        let names = ["times.start", "times.end"];
+        Error::check_range("Structure::stability_changes", names, &times)?;
         let Range { start, end } = times;
-        let of = "Structure::stability_changes";
-        Error::check(of, "times.start", start, true, "start < end")?;
-        Error::check(of, "times.end", end, end > start, "start < end")?;
         let width = end - start;
         let parts = (0..=PARTS).map(|i| start + width * (i as f64 / PARTS as f64));
         let mut places: Vec<f64> = parts.collect();

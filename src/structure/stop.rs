@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::direction::checked_direction;
+use super::direction::{check_coordinates, checked_direction};
 use super::engine::element::ElementData;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
@@ -218,15 +218,8 @@ impl Stop {
         if self.contact_stiffness().is_none() {
             return Err(Error::RigidStop { stop: number });
         }
-        let mut coordinates = self.direction.iter().map(|&(j, _)| j);
-        match coordinates.find(|&coordinate| coordinate >= count) {
-            None => Ok(()),
-            Some(coordinate) => Err(Error::NoSuchCoordinate {
-                element: Element::Stop(number),
-                coordinate,
-                count,
-            }),
-        }
+        let coordinates = self.direction.iter().map(|&(j, _)| j);
+        check_coordinates(Element::Stop(number), coordinates, count)
     }
 }
 

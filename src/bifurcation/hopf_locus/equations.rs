@@ -66,11 +66,7 @@ impl HopfPoints<'_> {
             let form = system.form();
             Ok(take(&SlidingField::of(form.model())?))
         };
-        find().map_err(|error: Error| {
-            error
-                .at("second parameter", second)
-                .at("first parameter", first)
-        })
+        find().map_err(|error: Error| error.at_pair([first, second]))
     }
 
     /// ∂F/∂x in balanced coordinates, and their units.
@@ -86,10 +82,8 @@ impl HopfPoints<'_> {
         Ok((matrix, units))
     }
 
-    fn none(&self, [first, second]: [f64; 2]) -> Error {
-        Error::NoHopfPoint
-            .at("second parameter", second)
-            .at("first parameter", first)
+    fn none(&self, parameters: [f64; 2]) -> Error {
+        Error::NoHopfPoint.at_pair(parameters)
     }
 
     /// The bordered system near an eigenvalue iω, its borders by inverse iteration.

@@ -238,7 +238,7 @@ impl Search<'_> {
             Error::check(of, name, value, is_inside, inside)?;
         }
         let members = |first: f64, second: f64| member(family(first, second));
-        let place = |error: Error| located(error, [at.parameter, second]);
+        let place = |error: Error| error.at_pair([at.parameter, second]);
         let system = family(at.parameter, second).map_err(place)?;
         let form = system.form();
         let watched = self.watch("parameter");
@@ -299,13 +299,6 @@ impl Search<'_> {
     }
 }
 
-/// An error with both parameters.
-fn located(error: Error, [first, second]: [f64; 2]) -> Error {
-    error
-        .at("second parameter", second)
-        .at("first parameter", first)
-}
-
 /// The change of events at a motion, with its own events: time, element and kind.
 fn changing(
     motions: &Motions<'_>,
@@ -316,7 +309,7 @@ fn changing(
     /// The largest distance of the motion from the change, in units of its sizes.
     const NEAR: f64 = 1e-4;
     let parameters = motions.parameters(y);
-    let at = |error: Error| located(error, parameters);
+    let at = |error: Error| error.at_pair(parameters);
     let search = |trial: &TrialMotion, sticks: Option<bool>| {
         motions.with(parameters, |form| {
             Ok(match kind {
@@ -377,7 +370,7 @@ fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
             let system = family(parameters[0], parameters[1])?;
             Orbit::new(&system, &system.form(), trial.clone(), period)
         };
-        find().map_err(|error: Error| located(error, parameters))
+        find().map_err(|error: Error| error.at_pair(parameters))
     };
     let points = points.iter().map(|point| {
         Ok(LocusPoint {

@@ -156,11 +156,7 @@ impl<'f> Motions<'f> {
             let member = (self.family)(first, second)?;
             take(member.form())
         };
-        find().map_err(|error: Error| {
-            error
-                .at("second parameter", second)
-                .at("first parameter", first)
-        })
+        find().map_err(|error: Error| error.at_pair([first, second]))
     }
 
     fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {
@@ -390,15 +386,7 @@ impl<'f> Motions<'f> {
 
     /// The error if no periodic motion was found near y.
     pub(super) fn lost(&self, y: &DVector<f64>, trial: &TrialMotion) -> Error {
-        let [first, second] = self.parameters(y);
-        let error = Error::NotPeriodic {
-            residual: trial.residual,
-            period: trial.period,
-            start: trial.map.start.clone(),
-        };
-        error
-            .at("second parameter", second)
-            .at("first parameter", first)
+        trial.not_periodic().at_pair(self.parameters(y))
     }
 
     pub(super) fn sequence(trial: &TrialMotion) -> Sequence {

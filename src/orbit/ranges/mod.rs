@@ -163,10 +163,9 @@ impl Search<'_> {
         family: &Systems<'_, S>,
         range: Range<f64>,
     ) -> Result<VibrationRanges<S::State>, Error> {
+        let names = ["range.start", "range.end"];
+        Error::check_range("orbit::vibration_ranges", names, &range)?;
         let Range { start, end } = range;
-        let of = "orbit::vibration_ranges";
-        Error::check(of, "range.start", start, true, "start < end")?;
-        Error::check(of, "range.end", end, end > start, "start < end")?;
         let stopped = Cell::new(None);
         let search = self.noting(&stopped);
         let places = |count: usize| -> Vec<f64> {

@@ -393,11 +393,7 @@ fn of_orbit(
         form.period_map(start_of_orbit, period)
     })?;
     if !whole.is_nearly_closed() {
-        return Err(Error::NotPeriodic {
-            residual: whole.miss(),
-            period,
-            start: whole.start,
-        });
+        return Err(whole.not_periodic(period));
     }
     // Begin away from events.
     let begin = if whole.events().next().is_some() {
@@ -439,11 +435,7 @@ fn of_orbit(
         period_map(form, base, &fixed.here.start, period)
     })?;
     let periods = fixed.close(&map, is_free, &mut slopes);
-    let periods = periods.ok_or_else(|| Error::NotPeriodic {
-        residual: map.miss(),
-        period,
-        start: map.start.clone(),
-    })?;
+    let periods = periods.ok_or_else(|| map.not_periodic(period))?;
     Ok(OrbitSensitivities {
         period: periods,
         motion: of(&slopes)?,

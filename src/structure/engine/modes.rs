@@ -13,7 +13,6 @@ use super::state::{ContactState, Situation};
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::motion::Mode;
-use crate::numerics::sort::sort_by;
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
@@ -31,8 +30,6 @@ pub(crate) struct Modes {
     /// The contacts whose relative velocities are numbers of a state.
     pub(crate) sliding: Vec<usize>,
     kinematics: Arc<[Kinematics]>,
-    /// The surfaces of these contacts, by ascending number of the contact.
-    surfaces: Vec<(usize, Arc<Drive>)>,
     limits: Vec<Limit>,
 }
 
@@ -79,9 +76,6 @@ impl Modes {
         }
         let holding = &situation.holding.contacts;
         if !holding.is_empty() {
-            let surface = |&c: &usize| (c, Arc::clone(&model.contacts[c].belt_velocity));
-            all.surfaces = holding.iter().map(surface).collect();
-            sort_by(&mut all.surfaces, |&(c, _)| c as f64);
             all.held = model.pivots(holding);
         }
         all
@@ -146,10 +140,7 @@ impl Modes {
         memory: &mut [f64],
     ) {
         self.carry(time, velocities);
-        let surface = |c: usize| {
-            let place = self.surfaces.binary_search_by_key(&c, |&(c, _)| c);
-            place.map_or(f64::NAN, |place| self.surfaces[place].1.value(time))
-        };
+        let surface = |c: usize| self.kinematics[c].belt_velocity.value(time);
         for pivot in &self.held {
             velocities[pivot.coordinate] = pivot.velocity(surface, |j| velocities[j]);
         }
