@@ -104,23 +104,29 @@ fn defects<'s>(
     of: &'s mut ElementSeries,
     checks: Checks,
 ) -> &'s [[f64; 3]] {
-    of.defects.fill([0.0; 3]);
-    for first in (0..checks.count()).step_by(GROUPS) {
-        let times = std::array::from_fn(|k| checks.group(first + k));
-        let mut kinds = [BETWEEN; GROUPS];
-        if first == 0 {
-            kinds[0] = QUARTERS;
+    let mut sums = std::mem::take(&mut of.defects);
+    sums.fill([0.0; 3]);
+    // The force is computed for a block of times at once.
+    let (mut block, mut kinds, mut count) = ([[0.0; 4]; GROUPS], [BETWEEN; GROUPS], 0);
+    let mut look = |kind: usize, times: [f64; 4]| {
+        (block[count], kinds[count]) = (times, kind);
+        count += 1;
+        if count == GROUPS {
+            of.add_defects(element, (&block, &kinds), &mut sums);
+            count = 0;
         }
-        let count = GROUPS.min(checks.count() - first);
-        of.add_defects(element, &times, &kinds[..count]);
+    };
+    for k in 0..checks.count() {
+        look(if k == 0 { QUARTERS } else { BETWEEN }, checks.group(k));
     }
-    for i in 0..2 * of.positions.len() {
-        let along = of.along(i);
+    for along in of.positions.iter().chain(&of.velocities) {
         let values = along.at_some(quarters(checks.h));
-        along.about_extrema(checks.h, values, &mut |times| {
-            of.add_defects(element, &[times; GROUPS], &[EXTREMA]);
-        });
+        along.about_extrema(checks.h, values, &mut |times| look(EXTREMA, times));
     }
+    if count > 0 {
+        of.add_defects(element, (&block, &kinds[..count]), &mut sums);
+    }
+    of.defects = sums;
     &of.defects
 }
 

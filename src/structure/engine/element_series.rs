@@ -62,16 +62,6 @@ impl ElementSeries {
         self.velocities.iter().all(is_zero)
     }
 
-    /// Position i, or velocity i − m.
-    pub(super) fn along(&self, i: usize) -> PowerSeries {
-        *self
-            .positions
-            .iter()
-            .chain(&self.velocities)
-            .nth(i)
-            .unwrap_or(&PowerSeries::ZERO)
-    }
-
     /// Notes the tangents at the start.
     pub(super) fn note_tangents(&mut self, element: &ElementData<'_>) {
         if !self.acts {
@@ -150,10 +140,10 @@ impl ElementSeries {
 
     /// Adds the defects in groups of four times to the sums of these kinds.
     pub(super) fn add_defects(
-        &mut self,
+        &self,
         element: &ElementData<'_>,
-        times: &Block,
-        kinds: &[usize],
+        (times, kinds): (&Block, &[usize]),
+        sums: &mut [[f64; 3]],
     ) {
         let along = Along {
             place: Place {
@@ -164,9 +154,7 @@ impl ElementSeries {
             forces: &self.forces,
             factor: &self.factor,
         };
-        element
-            .law
-            .add_defects(along, times, kinds, &mut self.defects);
+        element.law.add_defects(along, times, kinds, sums);
     }
 
     /// Coefficient k of D F_i.
