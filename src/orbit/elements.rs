@@ -14,7 +14,7 @@
 use super::coefficient::{Coefficient, product};
 use crate::force::object::Place;
 use crate::motion::Segment;
-use crate::series::{INTEGRAL, PowerSeries, TERMS};
+use crate::series::{INTEGRAL, PowerSeries};
 use crate::structure::Step;
 use crate::structure::engine::element::ElementData;
 use crate::structure::engine::model::Model;
@@ -82,13 +82,16 @@ impl Along {
             return Self::on_piece((element, piece), positions, velocities, step);
         }
         let start = element.along(&|j| step.state().displacements[j]);
-        let series = |k: usize| element.along(&|j| step.series().get(j).map_or(0.0, |v| v[k]));
-        let mut velocities = vec![PowerSeries::ZERO; start.len()];
-        for k in 0..TERMS {
-            for (velocity, coefficient) in std::iter::zip(&mut velocities, series(k)) {
-                velocity[k] = coefficient;
+        let velocities = element.directions.iter().map(|direction| {
+            let mut velocity = PowerSeries::ZERO;
+            for &(j, a) in direction {
+                if let Some(series) = step.series().get(j) {
+                    velocity.add(a, series);
+                }
             }
-        }
+            velocity
+        });
+        let velocities: Vec<PowerSeries> = velocities.collect();
         let positions = std::iter::zip(start, &velocities).map(|(start, velocity)| {
             PowerSeries::from_fn(|k| match k {
                 0 => start,
