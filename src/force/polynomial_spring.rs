@@ -83,6 +83,10 @@ impl ForceLaw for PolynomialSpring {
 fn horner<S: Scalar>(x: S, coefficients: impl DoubleEndedIterator<Item = f64>) -> S {
     let mut descending = coefficients.rev();
     // A product with a number costs less than one with a constant series.
-    let leading = x * descending.next().unwrap_or(0.0);
-    descending.fold(leading, |sum, c| (sum + c) * x)
+    let mut sum = x * descending.next().unwrap_or(0.0);
+    // A fold is not always inlined.
+    for c in descending {
+        sum = (sum + c) * x;
+    }
+    sum
 }

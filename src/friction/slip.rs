@@ -137,7 +137,7 @@ impl Expander {
 
         let along = match known {
             Known::Speed(along) => Some(along),
-            Known::Nothing | Known::Force(_) => None,
+            Known::Nothing | Known::Force(_) | Known::Push(_) => None,
         };
         let s0 = along.map_or(from.speed, |along| along[0]);
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and
@@ -170,7 +170,10 @@ impl Expander {
                     weight * INTEGRAL[k - 1] * (stiffness * older)
                 };
                 match known {
-                    Known::Nothing => {}
+                    Known::Push(push) if !UNROLLED => {
+                        spring = mul_add(-weight, push(k, s), spring);
+                    }
+                    Known::Nothing | Known::Push(_) => {}
                     Known::Force(force) => spring = mul_add(-weight, force[k], spring),
                     Known::Speed(along) => return along[k + 1],
                 }
@@ -243,7 +246,7 @@ pub(crate) struct Expansion<'a> {
 }
 
 /// A series that an expansion is given.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(crate) enum Known<'a> {
     Nothing,
     /// The sliding speed, in any unit of time: only the friction is expanded.
@@ -251,6 +254,9 @@ pub(crate) enum Known<'a> {
     /// A force, added to s', in the forward direction of time. Its value at the start is in the
     /// equation.
     Force(&'a PowerSeries),
+    /// The same for a force that depends on the motion: order k > 0 from order k of s. Code that is
+    /// unrolled for every order has no place for such a call in each.
+    Push(&'a dyn Fn(usize, f64) -> f64),
 }
 
 impl LawVisitor for Expansion<'_> {
@@ -258,12 +264,16 @@ impl LawVisitor for Expansion<'_> {
 
     #[inline(always)]
     fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output {
+        if let Known::Push(_) = self.known {
+            return self.visit_seldom(law);
+        }
         let index = self.piece;
         let (equation, from) = (self.equation, self.from);
         self.expander
             .expand_one(Piece { law, index }, equation, from, self.time, self.known)
     }
 
+    #[inline(never)]
     fn visit_seldom<L: FrictionLaw>(self, law: &L) -> Self::Output {
         let index = self.piece;
         let (equation, from) = (self.equation, self.from);

@@ -4,8 +4,8 @@ use super::coordinate_series::CoordinateSeries;
 use super::element::{ElementData, sum};
 use crate::force::object::{Along, Place};
 use crate::scalar::jet::Tape;
-use crate::series::PowerSeries;
 use crate::series::many::Block;
+use crate::series::{INTEGRAL, PowerSeries};
 
 /// The series at one element.
 #[derive(Debug, Clone)]
@@ -118,6 +118,31 @@ impl ElementSeries {
             self.factor_varies = !self.factor.is_constant();
         }
         self.follow(element, motion, k);
+        self.force_order(element, k);
+    }
+
+    /// Order k > 0 of the force, and of the positions and velocities, if a single coordinate is
+    /// accelerated: from this order of its velocity, and for each direction from its entry there
+    /// and in the response. Returns the acceleration against the force.
+    pub(super) fn order_along(
+        &mut self,
+        element: &ElementData<'_>,
+        entries: &[[f64; 2]],
+        velocity: f64,
+        k: usize,
+    ) -> f64 {
+        let motion = std::iter::zip(&mut self.positions, &mut self.velocities);
+        for ((position, own), [entry, _]) in motion.zip(entries) {
+            position[k] = own[k - 1] * INTEGRAL[k - 1];
+            own[k] = entry * velocity;
+        }
+        self.force_order(element, k);
+        let responses = entries.iter().enumerate();
+        responses.map(|(i, [_, x])| x * self.product(i, k)).sum()
+    }
+
+    /// Order k of the force, after that of the positions and velocities.
+    fn force_order(&mut self, element: &ElementData<'_>, k: usize) {
         if !self.acts {
             self.forces[0][k] = 0.0;
             return;

@@ -7,6 +7,9 @@
 
 use std::ops::Range;
 
+use super::contact::entry;
+use super::element::ElementData;
+use super::element_series::ElementSeries;
 use super::fault::LawFault;
 use super::model::Model;
 use super::series::Series;
@@ -68,6 +71,44 @@ pub(super) fn push(model: &Model<'_>, series: &mut Series, k: usize) {
                 }
             }
         }
+    }
+}
+
+/// The elements that act on a coordinate while no other one is accelerated.
+pub(super) struct Pushing<'e, 'm> {
+    elements: &'e [ElementData<'m>],
+    series: &'e mut [ElementSeries],
+    /// The entries of the coordinate in each direction and in its response.
+    entries: Vec<[f64; 2]>,
+}
+
+impl<'e, 'm> Pushing<'e, 'm> {
+    pub(super) fn new(
+        elements: &'e [ElementData<'m>],
+        series: &'e mut [ElementSeries],
+        i: usize,
+    ) -> Self {
+        let entries = elements.iter().flat_map(|element| {
+            let directions = std::iter::zip(&*element.directions, &element.responses);
+            directions.map(|(direction, response)| [entry(direction, i), entry(response, i)])
+        });
+        let entries = entries.collect();
+        Self {
+            elements,
+            series,
+            entries,
+        }
+    }
+
+    /// The acceleration against all of them of order k > 0, from this order of the velocity.
+    pub(super) fn order(&mut self, velocity: f64, k: usize) -> f64 {
+        let (mut against, mut entries) = (0.0, &self.entries[..]);
+        for (element, of) in std::iter::zip(self.elements, &mut *self.series) {
+            let (own, others) = entries.split_at(element.responses.len());
+            against += of.order_along(element, own, velocity, k);
+            entries = others;
+        }
+        against
     }
 }
 

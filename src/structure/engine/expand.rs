@@ -158,11 +158,10 @@ pub(super) fn expand_slow(
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
     let is_pushed = series.is_pushed();
-    let are_apart = model.shared.is_empty()
-        && model.springs.is_empty()
-        && model.first_order.is_empty()
-        && !is_pushed;
-    if are_apart
+    let are_unsprung =
+        model.shared.is_empty() && model.springs.is_empty() && model.first_order.is_empty();
+    let are_apart = are_unsprung && !is_pushed;
+    if are_unsprung
         && orders.end == ALL
         && let Some([i, c]) = slips_alone(model, series)
     {

@@ -1,10 +1,14 @@
 //! The series of a coordinate that slips while all other coordinates are held at constant
 //! velocities. Its equation is that of a mass on a belt under given forces, so its series is
-//! computed by the same code.
+//! computed by the same code. Order k of the force of an element is given, too, once order k of the
+//! velocity is known.
+
+use std::cell::RefCell;
 
 use super::contact_series::StepMode;
 use super::coordinate_series::{ALL, CoordinateSeries, Role};
 use super::edge::side_of;
+use super::elements::Pushing;
 use super::model::Model;
 use super::series::Series;
 use crate::clock::Time;
@@ -14,6 +18,7 @@ use crate::series::{INTEGRAL, PowerSeries};
 /// Computes all orders of the coordinate and the contact that slip alone, and all after the first
 /// of those that are held; returns false if the law gives no number or no slope.
 pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
+    let is_pushed = series.is_pushed();
     let side = series.contacts[c].side;
     let Some(law) = model.contacts[c].law.dry_slip(side) else {
         return false;
@@ -21,6 +26,8 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let Series {
         coordinates,
         contacts,
+        elements,
+        given: forces,
         expander,
         ..
     } = series;
@@ -43,8 +50,19 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         pull: side * (held - (force[0] - surface[1])),
         drift: side * pull(springs, coordinates, 1),
     };
+    let from = SlipPoint {
+        direction: side_of(side),
+        displacement: coordinates[i].motion.displacement(0),
+        speed: contacts[c].speeds[0],
+        rate: contacts[c].rate,
+    };
+    // Without the forces of elements.
+    let unpushed = is_pushed.then(|| model.sprung.binary_search(&i).ok());
+    let unpushed = unpushed.flatten().map(|place| &forces[place]);
+    let force = unpushed.unwrap_or(force);
     // With v = σy + w: f − w' − dw, and the force of the spring on the way of w after order 1.
-    let given = model.is_driven[i].then(|| {
+    let is_driven = model.is_driven[i] || unpushed.is_some();
+    let given = is_driven.then(|| {
         let mut given = PowerSeries::ZERO;
         for k in 1..ALL {
             let way = if k > 1 {
@@ -57,20 +75,32 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         }
         given
     });
-    let from = SlipPoint {
-        direction: side_of(side),
-        displacement: coordinates[i].motion.displacement(0),
-        speed: contacts[c].speeds[0],
-        rate: contacts[c].rate,
+    let mut expand = |known: Known<'_>| {
+        law.expand_slip(Expansion {
+            expander,
+            piece: contacts[c].piece,
+            equation: &equation,
+            from: &from,
+            time: Time::Forward,
+            known,
+        })
     };
-    let expanded = law.expand_slip(Expansion {
-        expander,
-        piece: contacts[c].piece,
-        equation: &equation,
-        from: &from,
-        time: Time::Forward,
-        known: given.as_ref().map_or(Known::Nothing, Known::Force),
-    });
+    let expanded = match (&given, unpushed) {
+        (None, _) => expand(Known::Nothing),
+        (Some(given), None) => expand(Known::Force(given)),
+        (Some(given), Some(unpushed)) => {
+            // They act on no coordinate that is held: see `role`.
+            let acceleration = &mut coordinates[i].force;
+            let elements = Pushing::new(&model.elements, elements, i);
+            let pushing = RefCell::new((elements, acceleration));
+            expand(Known::Push(&|k, speed| {
+                let (elements, acceleration) = &mut *pushing.borrow_mut();
+                let against = elements.order(side * speed + surface[k], k);
+                acceleration[k] = unpushed[k] - against;
+                given[k] - side * against
+            }))
+        }
+    };
     if expanded.is_err() {
         return false;
     }
@@ -80,7 +110,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     for series in &mut of.memories {
         *series = PowerSeries::of(series[0]);
     }
-    if given.is_some() {
+    if is_driven {
         // Without springs, the time in which it changes is the unit of time.
         for k in 1..ALL {
             let moved = (k + 1) as f64 * found.speed[k + 1];

@@ -398,3 +398,47 @@ fn force_elements_have_the_series_of_the_general_way() {
     println!("{pushed} {closed}");
     assert!(pushed > 400 && closed > 30, "{pushed} {closed}");
 }
+
+/// A coordinate that slips alone beside others at rest, under each kind of element, factors that
+/// vary, a stop and drives.
+#[test]
+fn elements_of_a_coordinate_that_slips_alone_have_the_series_of_the_general_way() {
+    let [mut alone, mut closed] = [0; 2];
+    for n in 1..5 {
+        for case in 0..10 {
+            let (is_driven, kind) = (case < 5, case % 5);
+            let (mut structure, start_state) = structure(n, is_driven, |i| i == 0);
+            let along: &[(usize, f64)] = &[(0, 0.7)];
+            let element = match kind {
+                0 => ForceElement::new(0, PolynomialSpring::new(&[0.3, 0.2, 0.5]).unwrap()),
+                1 => ForceElement::along(along, Pendulum::new(0.5, 1.0).unwrap()),
+                2 => ForceElement::new(0, Backlash::new(1.5, 0.1).unwrap()),
+                3 => ForceElement::field(&[&[(0, 1.0)], along], Well),
+                _ => ForceElement::new(0, VanDerPol::new(0.4, 0.3).unwrap()),
+            };
+            let mut element = element.unwrap();
+            if is_driven {
+                let factor = Drive::sine(0.5, 1.7).unwrap().with_constant(1.0).unwrap();
+                element = element.with_factor(factor).unwrap();
+            }
+            let stop = Stop::above(0, 0.2, 0.0).unwrap();
+            let stop = stop.with_contact_stiffness(3.0, 0.1).unwrap();
+            structure = structure.with_element(element).unwrap();
+            structure = structure.with_stop(stop).unwrap();
+            let (model, clock) = (structure.model(), Clock::at(0.0));
+            let (mut engine, _) = Engine::start(model, f64::EPSILON, clock, &start_state).unwrap();
+            for _ in 0..40 {
+                engine.step().unwrap();
+                let is_alone = slips_alone(&engine.model, &engine.series).is_some();
+                alone += usize::from(is_alone);
+                let stop = &engine.series.elements[engine.model.first_stop()];
+                closed += usize::from(is_alone && stop.acts);
+                let mut general = engine.series.clone();
+                expand_generally(&engine.model, &engine.situation, &mut general);
+                assert_agree(0.02, &engine.series, &general);
+            }
+        }
+    }
+    println!("{alone} {closed}");
+    assert!(alone > 400 && closed > 30, "{alone} {closed}");
+}
