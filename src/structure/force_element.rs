@@ -30,8 +30,8 @@ use crate::force::{ForceField, ForceLaw, SharedForce, validate};
 ///
 /// The mass matrix is constant, so inertia that depends on displacements (a double pendulum)
 /// cannot be described; forces of any shape can. Events of contacts are unchanged: the force is
-/// continuous. A passage of a breakpoint of the law ends a step, but is no event. Elements are equal
-/// if their data are; a law of your own is equal only to itself, in a clone of its element.
+/// continuous. A passage of a breakpoint of the law ends a step, but is no event. Elements are
+/// equal if their data are; a law of your own is equal only to itself, in a clone of its element.
 ///
 /// ```
 /// use stick_slip::{ForceElement, ForceLaw, Scalar, Structure, structure::State};

@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::contact::entry;
 use super::element::ElementData;
 use super::element_series::ElementSeries;
-use super::fault::LawFault;
+use super::fault::{Fault, FaultyLaw};
 use super::model::Model;
 use super::series::Series;
 use super::state::Situation;
@@ -129,49 +129,43 @@ pub(super) fn watch(model: &Model<'_>, series: &mut Series, orders: Range<usize>
     }
 }
 
+/// The fault of an element: of its force, of the load of which it is a part, or of the rate.
+fn fault(model: &Model<'_>, series: &Series, element: usize, value: Option<f64>) -> Fault {
+    let (data, of) = (&model.elements[element], &series.elements[element]);
+    let velocity = of.velocities[0][0];
+    let law = match (data.rate_of, data.pressed) {
+        (Some((state, _)), _) => FaultyLaw::Rate(state),
+        (None, Some(contact)) => FaultyLaw::Load(contact, velocity),
+        (None, None) => FaultyLaw::Force(element, velocity),
+    };
+    let place = of.positions[0][0];
+    Fault { law, place, value }
+}
+
 /// The fault of the first element whose force is no number, or has no series. That of a stop is
 /// linear.
-pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<LawFault> {
-    let rate_of = |element: usize| model.elements[element].rate_of.map(|(state, _)| state);
-    let elements = series.elements[..model.first_stop()].iter().enumerate();
-    let faults = elements.map(|(element, of)| {
-        let pressed = model.elements[element].pressed;
-        let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
-        let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
+pub(super) fn force_fault(model: &Model<'_>, series: &Series) -> Option<Fault> {
+    let mut elements = series.elements[..model.first_stop()].iter().enumerate();
+    elements.find_map(|(element, of)| {
         if let Some(force) = of.forces.iter().find(|force| !force[0].is_finite()) {
-            let value = force[0];
-            let fault = LawFault::NonFiniteForce {
-                element,
-                pressed,
-                position,
-                velocity,
-                value,
-            };
-            return Some(fault.in_rate_of(rate_of(element)));
+            return Some(fault(model, series, element, Some(force[0])));
         }
-        let motion = of.positions.iter().chain(&of.velocities);
+        let is_given = |series: &PowerSeries| series[0].is_finite() && series[1].is_finite();
+        let mut motion = of.positions.iter().chain(&of.velocities);
         let has_no_series = of.forces.iter().any(|force| !force[1].is_finite());
-        let fault = LawFault::NotAnalyticForce {
-            element,
-            pressed,
-            position,
-        };
-        (has_no_series && motion.into_iter().all(is_given))
-            .then(|| fault.in_rate_of(rate_of(element)))
-    });
-    faults.flatten().next()
+        (has_no_series && motion.all(is_given)).then(|| fault(model, series, element, None))
+    })
 }
 
 /// The first element whose force has a singular point close to the position at the start, if steps
 /// have become too short: a pole if the force grows towards it.
-pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFault> {
+pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<Fault> {
     /// Largest distance of the point, as a part of the position; of positions below this, of this.
     const CLOSE: f64 = 1e-6;
     let elements = std::iter::zip(&model.elements, &series.elements).enumerate();
     let elements = elements.take(model.first_stop());
     let mut faults = elements.filter_map(|(element, (data, of))| {
-        let pressed = data.pressed;
-        let [position, velocity] = [of.positions[0][0], of.velocities[0][0]];
+        let position = of.positions[0][0];
         // The power series of F along the first direction.
         let fixed = |series: &Vec<PowerSeries>| -> Vec<PowerSeries> {
             series
@@ -205,22 +199,7 @@ pub(super) fn singular_force(model: &Model<'_>, series: &Series) -> Option<LawFa
         });
         let value = force[0];
         let grows = towards.iter().any(|near| *near > 2.0 * value.abs());
-        let fault = if grows {
-            LawFault::NonFiniteForce {
-                element,
-                pressed,
-                position,
-                velocity,
-                value,
-            }
-        } else {
-            LawFault::NotAnalyticForce {
-                element,
-                pressed,
-                position,
-            }
-        };
-        Some(fault.in_rate_of(data.rate_of.map(|(state, _)| state)))
+        Some(fault(model, series, element, grows.then_some(value)))
     });
     faults.next()
 }

@@ -7,7 +7,7 @@ use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
 use super::edge::Edge;
 use super::elastic::spring_order;
 use super::elements::{force_fault, watch};
-use super::fault::LawFault;
+use super::fault::{Fault, FaultyLaw};
 use super::group_series::Waves;
 use super::model::{Model, Target};
 use super::series::Series;
@@ -101,7 +101,7 @@ pub(super) fn expand(
     situation: &Situation,
     series: &mut Series,
     orders: usize,
-) -> Result<(), LawFault> {
+) -> Result<(), Fault> {
     if orders < ALL {
         // Orders that are not computed now must not keep the values of the step before.
         for of in &mut series.contacts {
@@ -335,27 +335,29 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
 /// Number of masses of a long chain in a group.
 const AT_A_TIME: usize = 16;
 
-fn law_fault(model: &Model<'_>, situation: &Situation, series: &Series) -> Option<LawFault> {
-    let contacts = std::iter::zip(&situation.contacts, &series.contacts);
-    let of_friction = contacts.into_iter().find_map(|(state, series)| {
+fn law_fault(model: &Model<'_>, situation: &Situation, series: &Series) -> Option<Fault> {
+    let fault = |place: f64, value: Option<f64>| Fault {
+        law: FaultyLaw::Friction,
+        place,
+        value,
+    };
+    let mut contacts = std::iter::zip(&situation.contacts, &series.contacts);
+    let of_friction = contacts.find_map(|(state, series)| {
         // The law gives the memory after an event.
-        if let Some(&value) = state.memory.iter().find(|z| !z.is_finite()) {
-            let speed = state.speed();
-            return Some(LawFault::NonFinite { speed, value });
+        if let Some(value) = state.memory.iter().find(|z| !z.is_finite()) {
+            return Some(fault(state.speed(), Some(*value)));
         }
         let Phase::Slip { speed, .. } = state.phase else {
             return None;
         };
         let value = series.friction[0];
         if !value.is_finite() {
-            Some(LawFault::NonFinite { speed, value })
-        } else {
-            // A rate of the memory without a power series acts one order later.
-            let is_singular =
-                |k: usize| !series.friction[k].is_finite() && series.speeds[k].is_finite();
-            let is_singular = is_singular(1) || is_singular(2);
-            is_singular.then_some(LawFault::NotAnalytic { speed })
+            return Some(fault(speed, Some(value)));
         }
+        // A rate of the memory without a power series acts one order later.
+        let is_singular =
+            |k: usize| !series.friction[k].is_finite() && series.speeds[k].is_finite();
+        (is_singular(1) || is_singular(2)).then(|| fault(speed, None))
     });
     of_friction.or_else(|| force_fault(model, series))
 }

@@ -2,127 +2,72 @@
 
 use crate::error::{Error, Reached};
 
-/// The fault of a law that returns NaN, an infinity or no series.
+/// A law that returns NaN, an infinity or no series.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum LawFault {
-    NonFinite {
-        speed: f64,
-        value: f64,
-    },
-    NotAnalytic {
-        speed: f64,
-    },
-    /// The force of an element, or a part of the load of contact `pressed`, is not finite.
-    NonFiniteForce {
-        element: usize,
-        pressed: Option<usize>,
-        position: f64,
-        velocity: f64,
-        value: f64,
-    },
-    NotAnalyticForce {
-        element: usize,
-        pressed: Option<usize>,
-        position: f64,
-    },
-    /// The rate from the law of a first-order state is not finite.
-    NonFiniteRate {
-        state: usize,
-        position: f64,
-        value: f64,
-    },
-    NotAnalyticRate {
-        state: usize,
-        position: f64,
-    },
+pub(super) struct Fault {
+    pub(super) law: FaultyLaw,
+    /// The sliding speed of a friction law, the position of a force law along its first direction.
+    pub(super) place: f64,
+    /// The number that is not finite; `None` if there is no series.
+    pub(super) value: Option<f64>,
 }
 
-impl LawFault {
-    /// The fault of the law of a first-order state, if the element's law is one.
-    pub(super) fn in_rate_of(self, state: Option<usize>) -> Self {
-        match (state, self) {
-            (
-                Some(state),
-                Self::NonFiniteForce {
-                    position, value, ..
-                },
-            ) => Self::NonFiniteRate {
-                state,
-                position,
-                value,
-            },
-            (Some(state), Self::NotAnalyticForce { position, .. }) => {
-                Self::NotAnalyticRate { state, position }
-            }
-            (_, fault) => fault,
-        }
-    }
+/// What the law gives, with the number of its owner.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum FaultyLaw {
+    Friction,
+    /// The force of an element, with the velocity along its first direction.
+    Force(usize, f64),
+    /// A part of the load of a contact, with this velocity.
+    Load(usize, f64),
+    /// A part of the rate of a first-order state.
+    Rate(usize),
+}
 
+impl Fault {
     /// The error for this fault.
     pub(super) fn at(self, reached: Reached) -> Error {
-        match self {
-            Self::NonFinite { speed, value } => Error::NonFiniteFriction {
-                speed,
+        let position = self.place;
+        match (self.law, self.value) {
+            (FaultyLaw::Friction, Some(value)) => Error::NonFiniteFriction {
+                speed: position,
                 value,
                 reached: Some(reached),
             },
-            Self::NotAnalytic { speed } => Error::NotAnalytic {
-                speed,
+            (FaultyLaw::Friction, None) => Error::NotAnalytic {
+                speed: position,
                 reached: Some(reached),
             },
-            Self::NonFiniteForce {
-                element,
-                pressed: None,
-                position,
-                velocity,
-                value,
-            } => Error::NonFiniteForce {
+            (FaultyLaw::Force(element, velocity), Some(value)) => Error::NonFiniteForce {
                 element,
                 position,
                 velocity,
                 value,
                 reached,
             },
-            Self::NonFiniteForce {
-                pressed: Some(contact),
+            (FaultyLaw::Force(element, _), None) => Error::NotAnalyticForce {
+                element,
                 position,
-                velocity,
-                ..
-            } => Error::NonFiniteLoad {
+                reached,
+            },
+            (FaultyLaw::Load(contact, velocity), Some(_)) => Error::NonFiniteLoad {
                 contact,
                 position,
                 velocity,
                 reached,
             },
-            Self::NotAnalyticForce {
-                element,
-                pressed: None,
-                position,
-            } => Error::NotAnalyticForce {
-                element,
-                position,
-                reached,
-            },
-            Self::NotAnalyticForce {
-                pressed: Some(contact),
-                position,
-                ..
-            } => Error::NotAnalyticLoad {
+            (FaultyLaw::Load(contact, _), None) => Error::NotAnalyticLoad {
                 contact,
                 position,
                 reached,
             },
-            Self::NonFiniteRate {
-                state,
-                position,
-                value,
-            } => Error::NonFiniteRate {
+            (FaultyLaw::Rate(state), Some(value)) => Error::NonFiniteRate {
                 state,
                 position,
                 value,
                 reached,
             },
-            Self::NotAnalyticRate { state, position } => Error::NotAnalyticRate {
+            (FaultyLaw::Rate(state), None) => Error::NotAnalyticRate {
                 state,
                 position,
                 reached,
