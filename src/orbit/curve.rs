@@ -484,11 +484,7 @@ impl Curve<'_> {
 
     /// The error if no motion was found near here.
     pub(super) fn lost(&self, y: &DVector<f64>, trial: &TrialMotion) -> Error {
-        let error = Error::NotPeriodic {
-            residual: trial.residual,
-            period: trial.period,
-            start: trial.map.start.clone(),
-        };
+        let error = trial.not_periodic();
         error.at("parameter", self.parameter(y))
     }
 

@@ -214,14 +214,9 @@ fn search(
     parameter: f64,
     (start, period): (State, f64),
 ) -> Result<Results, Error> {
-    let Range {
-        start: low,
-        end: high,
-    } = curve.range;
-    let name = "orbit::follow";
-    Error::check(name, "range.start", low, true, "start < end")?;
-    Error::check(name, "range.end", high, high > low, "start < end")?;
-    let inside = (low..=high).contains(&parameter);
+    let (name, range) = ("orbit::follow", &curve.range);
+    Error::check_range(name, ["range.start", "range.end"], range)?;
+    let inside = (range.start..=range.end).contains(&parameter);
     Error::check(name, "parameter", parameter, inside, "inside the range")?;
     let guess = anchor(&mut curve, parameter, &start, period)?;
     walks(&curve, &guess)

@@ -178,9 +178,8 @@ pub(crate) fn check_ranges(of: &'static str, ranges: &[Range<f64>; 2]) -> Result
         ["ranges[0].start", "ranges[0].end"],
         ["ranges[1].start", "ranges[1].end"],
     ];
-    for (range, [start, end]) in std::iter::zip(ranges, names) {
-        Error::check(of, start, range.start, true, "start < end")?;
-        Error::check(of, end, range.end, range.end > range.start, "start < end")?;
+    for (range, names) in std::iter::zip(ranges, names) {
+        Error::check_range(of, names, range)?;
     }
     Ok(())
 }
