@@ -31,7 +31,9 @@ pub use tabulated_force::TabulatedForce;
 pub use van_der_pol::VanDerPol;
 
 pub(crate) use check::validate;
-pub(crate) use named::{NamedForce, SharedForce};
+#[cfg(feature = "serde")]
+pub(crate) use named::NamedForce;
+pub(crate) use named::SharedForce;
 
 use crate::friction::memory::Variables;
 use crate::scalar::Scalar;
