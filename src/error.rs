@@ -537,7 +537,8 @@ pub enum Error {
     },
 
     /// The force of an elastic contact in the start state exceeds the limit force μN of its slider
-    /// (coefficient μ, normal load N).
+    /// (coefficient μ, normal load N) by more than 10⁻¹² of the terms of μN. A smaller excess is
+    /// rounding, as in a state after many periods of a load, and the limit is taken instead.
     #[error(
         "elastic contact {contact} cannot carry {} at the start: its limit force μN is {} there; \
          start with a smaller force",

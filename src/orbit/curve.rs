@@ -356,9 +356,7 @@ impl Curve<'_> {
             matrix[(i, unknowns - 1)] = by_parameter[i] * (scale[unknowns - 1] / sizes[i]);
         }
         if let Some(condition) = &begin.condition {
-            for i in 0..order {
-                matrix[(i, order)] = map.flow[1][i] * (scale[order] / sizes[i]);
-            }
+            map.close_by_period(&mut matrix, scale[order]);
             for j in 0..order {
                 matrix[(order, j)] = condition.normal[j] * scale[j];
             }
@@ -372,10 +370,9 @@ impl Curve<'_> {
                 row.fill(0.0);
             }
         }
-        // What is kept depends neither on the parameter nor on the period.
+        // What is kept does not depend on the parameter either.
         for row in map.kept() {
-            let mut row = matrix.row_mut(row);
-            row.columns_mut(order, unknowns - order).fill(0.0);
+            matrix[(row, unknowns - 1)] = 0.0;
         }
         (matrix, right)
     }

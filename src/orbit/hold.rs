@@ -331,14 +331,15 @@ impl<'s> HeldFlow<'s> {
             return;
         };
         let at = Forces::of(model, step).beside(step.duration(), state.clone());
-        let AtContact { load, carried, .. } = at.contacts[hold.contact];
+        let AtContact {
+            load,
+            carried,
+            surface_rate,
+            ..
+        } = at.contacts[hold.contact];
         let friction = hold.side.sign() * limit * load;
         let rate = at.accelerations[i] + contact.compliance * (carried - friction);
-        let beyond = rate
-            - contact
-                .belt_velocity
-                .series(step.clock())
-                .slope_at(step.duration());
+        let beyond = rate - surface_rate;
         let gradient = entry(&contact.load_gradient, i);
         let by_load = hold.side.sign() * limit * gradient * contact.compliance;
         let mut stiffness = model.stiffness.row(i).0 + by_load;

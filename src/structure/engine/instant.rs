@@ -56,7 +56,7 @@ pub(crate) struct AtContact {
     /// r, with all its digits where the contact creeps.
     pub(crate) relative: f64,
     /// w'.
-    surface_rate: f64,
+    pub(crate) surface_rate: f64,
     /// The parts of the load that have laws.
     laws: Vec<AtElement>,
 }
