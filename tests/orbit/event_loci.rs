@@ -11,8 +11,8 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Drive, Error, EventKind, Exponential, MassOnBelt, Structure, bifurcation,
-    limit_cycle,
+    Contact, Coulomb, Drive, Error, EventKind, Exponential, MassOnBelt, RateState, Structure,
+    bifurcation, limit_cycle,
 };
 
 use crate::common::{larger, list, number, some, text};
@@ -97,6 +97,41 @@ fn grazing_of_forced_pure_slip() {
         &ranges,
     );
     assert!(worst < ACCURACY, "{worst:e}");
+}
+
+/// A second mass that creeps, slower at its turns than the first one, changes nothing of the curve.
+#[test]
+fn grazing_beside_a_mass_that_creeps() {
+    const BELT: f64 = 0.3;
+    let creep = RateState::aging(0.3, 0.05, 0.02, 0.1, 0.01).unwrap();
+    let family = |frequency: f64, amplitude: f64| -> Result<Structure, Error> {
+        Structure::new(&[1.0, 1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.06)?
+            .with_force(0, Drive::harmonic(amplitude, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?.on_belt(BELT))?
+            .with_ground_spring(1, 1.0)?
+            .with_ground_damper(1, 0.1)?
+            .with_force(1, Drive::harmonic(0.1, frequency, 0.0)?)?
+            .with_contact(Contact::new(1, creep.clone(), 1.0)?.on_belt(0.01))
+    };
+    let at = [0.6, 0.25];
+    let system = family(at[0], at[1]).unwrap();
+    let motion = settle(&system, &State::at_rest(2), 600.0, Period::Driven(1)).unwrap();
+    let along = |frequency: f64| family(frequency, at[1]);
+    let branch = follow(along, at[0], &motion, 0.6..0.8).unwrap();
+    let mut found = branch.bifurcations.iter();
+    let grazing = found.find(|found| found.kind == BifurcationKind::Grazing);
+    let ranges = [0.6..0.8, 0.1..0.3];
+    let locus = orbit::locus(family, grazing.unwrap(), at[1], ranges).unwrap();
+    assert_eq!(locus.kind, LocusKind::Grazing { contact: 0 });
+    assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+    for point in &locus.points {
+        let [frequency, amplitude] = point.parameters;
+        let known = BELT * (1.0 - frequency.powi(2)).hypot(0.06 * frequency) / frequency;
+        let off = amplitude - known;
+        assert!(off.abs() < 1e-12, "{off:e} at {frequency}");
+    }
 }
 
 /// Cycles that touch the belt; where their multiplier is 1 a curve of folds ends.

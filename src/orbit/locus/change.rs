@@ -187,12 +187,14 @@ fn within(since: f64, others: impl Iterator<Item = f64>, period: f64) -> f64 {
     0.4 * away.fold(WITHIN * period / 0.4, f64::min)
 }
 
-/// The minima of all sliding speeds, and those that an arrival cuts off.
+/// The minima of all sliding speeds, and those that an arrival cuts off. A contact that creeps
+/// touches nothing: it passes through 0 smoothly.
 fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> {
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let sizes = map.sizes();
     let mut minima = Vec::new();
-    for contact in (0..form.contacts()).filter(|&c| form.holds(c)) {
+    let touches = |c: &usize| form.holds(*c) && !form.model.creeping.contains(c);
+    for contact in (0..form.contacts()).filter(touches) {
         let size = form.model.contacts[contact].size_along(|j| sizes[form.len() + j]);
         let mut falling: Option<Direction> = None;
         let mut slips = false;

@@ -95,7 +95,8 @@ fn common_zero(
             let [mut low, mut high] = [y.clone(), y.clone()];
             low[j] -= PART * scale[j];
             high[j] += PART * scale[j];
-            jacobian.set_column(j, &((of(&high)? - of(&low)?) / (2.0 * PART)));
+            let apart = (high[j] - low[j]) / scale[j];
+            jacobian.set_column(j, &((of(&high)? - of(&low)?) / apart));
         }
         let Some(step) = least_norm_by_rows(jacobian, right, SINGULAR) else {
             return Ok(None);

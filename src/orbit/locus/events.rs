@@ -298,6 +298,8 @@ impl Equations for EventCurve<'_> {
                 beside[j] += step;
                 let found = self.steps(&beside, held).ok()?;
                 let same = found.events == held.events;
+                // What is left of the step beside a large parameter.
+                let step = beside[j] - y[j];
                 Some((step, self.residual_of(&beside, &found), same))
             };
             let here = || Some((0.0, self.residual_of(y, held), true));
