@@ -344,8 +344,14 @@ impl Segment for Step {
     }
 
     fn until(self, time: f64) -> Self {
+        // At the time of an event nothing is left of the step after it.
+        let is_start = time == self.start.time;
         Self {
-            duration: self.since_start(time),
+            duration: if is_start {
+                0.0
+            } else {
+                self.since_start(time)
+            },
             event: None,
             ..self
         }

@@ -313,7 +313,7 @@ pub(crate) fn trajectory<S: SystemState>(
     duration: f64,
     mut stop: Option<Stop<'_, S::Step>>,
 ) -> Result<Trajectory<S>, Error> {
-    let end = start_time + duration;
+    let mut end = start_time + duration;
     let mut steps: Vec<S::Step> = Vec::new();
     let mut reached = start_time;
     let mut ended = Ended::Duration;
@@ -337,21 +337,24 @@ pub(crate) fn trajectory<S: SystemState>(
             reached = step.end_time();
             steps.push(step);
         }
-        if let Some(stop) = &mut stop
-            && let Some(step) = steps.last()
-            && let Some(time) = stop(step)
-        {
+        let asked = match (&mut stop, steps.last()) {
+            (Some(stop), Some(step)) => stop(step).map(|time| (step, time)),
+            _ => None,
+        };
+        if let Some((step, time)) = asked {
             let allowed = "a time in the step, or `None`; NaN may come from a function whose zero \
                            was searched";
             Error::check("Integrator", "stop time", time, true, allowed)?;
             reached = time.max(step.start_time()).min(step.end_time());
-            if reached < step.end_time()
-                && let Some(step) = steps.pop()
-            {
-                steps.push(step.until(reached));
-            }
             ended = Ended::Stopped;
-            break;
+            // The modes after an event are those of the step that follows.
+            if reached == step.end_time() {
+                (end, stop) = (reached, None);
+            } else {
+                let cut = steps.pop().map(|step| step.until(reached));
+                steps.extend(cut);
+                break;
+            }
         }
         if is_last {
             break;

@@ -156,7 +156,16 @@ pub trait Segment: sealed::Part + Clone {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn first_zero(&self, mut f: impl FnMut(&Self::State) -> f64) -> Option<f64> {
-        let t = first_zero::first_zero(&mut |t| f(&self.state_at(t)), self.duration())?;
+        let h = self.duration();
+        // The state of an event, in which what is 0 is 0 to the last bit; the series are rounded.
+        let mut value = |t: f64| match t == h {
+            true => f(&self.end_state()),
+            false => f(&self.state_at(t)),
+        };
+        let t = first_zero::first_zero(&mut value, h)?;
+        if t == h {
+            return Some(self.end_time());
+        }
         let time = self.start_time() + t;
         // The sum may round beyond the end. `min` would hide NaN.
         let is_beyond = time > self.end_time();

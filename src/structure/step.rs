@@ -282,8 +282,14 @@ impl Segment for Step {
     }
 
     fn until(self, time: f64) -> Self {
-        let duration = self.since_start(time);
-        let state = self.state_at_time(time);
+        // At the time of an event nothing is left of the step after it.
+        let is_start = time == self.start.time;
+        let duration = if is_start {
+            0.0
+        } else {
+            self.since_start(time)
+        };
+        let state = self.state_since(duration, time);
         Self {
             end: Clock::at(time),
             duration,

@@ -3,17 +3,75 @@
 
 use approx::assert_abs_diff_eq;
 use stick_slip::{
-    Contact, Coulomb, Ended, Error, Event, Integrator, MassOnBelt, Mode, Segment, State, Structure,
-    structure,
+    Contact, Coulomb, Direction, Ended, Error, Event, Integrator, MassOnBelt, Mode, Segment, State,
+    Structure, structure,
 };
 
 use super::common::polynomials::Polynomials;
-use super::common::{one_mass, paper, refused};
+use super::common::{Random, one_mass, paper, refused};
 
 const START: State = State::new(0.0, 0.0);
 
 /// A condition on the state.
 type Condition = fn(&State) -> f64;
+
+/// What is 0 at an event is 0 in its state, not in the rounded series before it; and the mode at the
+/// end is that after the event.
+#[test]
+fn a_condition_that_is_met_at_an_event_is_met_there() {
+    let mut random = Random::new(91);
+    let mut before = 0;
+    for _ in 0..100 {
+        let v_b = random.uniform(0.02, 0.35);
+        let system = paper(v_b);
+        let whole = system.simulate(START, 60.0).unwrap();
+        let [stick, release] = [0, 1].map(|i| whole.events()[i]);
+        let cases: [(State, Event, &dyn Fn(&State) -> f64, Mode); 2] = [
+            (START, stick, &|state| state.velocity - v_b, Mode::Stick),
+            (
+                stick.state,
+                release,
+                &|state| state.displacement - release.state.displacement,
+                Mode::Slip(Direction::Lagging),
+            ),
+        ];
+        for (start, event, condition, mode) in cases {
+            let motion = Integrator::new()
+                .simulate_until(&system, start, 60.0, |step| step.first_zero(condition))
+                .unwrap();
+            let end = motion.duration();
+            assert_eq!(motion.ended(), &Ended::Stopped);
+            let [only] = motion.events() else {
+                // The condition is 0 to rounding just before.
+                assert!(condition(&motion.last()).abs() <= f64::EPSILON);
+                let first = system.simulate(start, 60.0).unwrap().events()[0].time;
+                assert!((0.0..1e-14).contains(&(first - end)), "{:e}", first - end);
+                before += 1;
+                continue;
+            };
+            assert_eq!((only.kind, only.state), (event.kind, event.state));
+            assert_eq!(end, only.time);
+            assert_eq!(motion.mode_at(end), Some(mode));
+            assert_eq!(motion.state_at(end), Some(motion.last()));
+        }
+        let block = Structure::from(&system);
+        let start = structure::State::at_rest(1);
+        let motion = Integrator::new()
+            .simulate_until(&block, start, 60.0, |step| {
+                step.first_zero(|state| state.velocities[0] - v_b)
+            })
+            .unwrap();
+        let end = motion.duration();
+        if let [stick] = motion.events() {
+            assert_eq!(stick.time, end);
+            assert_eq!(motion.mode_at(0, end), Some(Mode::Stick));
+        } else {
+            before += 1;
+        }
+        assert_eq!(motion.state_at(end), Some(motion.last()));
+    }
+    assert!(before < 100, "{before} of 300");
+}
 
 #[test]
 fn a_condition_is_met_to_the_last_bits() {
