@@ -97,14 +97,15 @@ pub(crate) fn is_constant_on(law: &dyn Values, piece: usize, speed: f64) -> bool
     is_constant(&taylor_coefficients_on(law, piece, speed))
 }
 
-/// Returns true if there is no kinetic friction at any speed: on each piece the law and all its
-/// derivatives are zero.
-pub(crate) fn has_no_kinetic_friction(law: &dyn Values) -> bool {
+/// The speed up to which there is no kinetic friction: the end of the pieces on which the law and
+/// all its derivatives are zero; 0 if there are none, infinite if there is no other piece.
+pub(crate) fn frictionless_speed(law: &dyn Values) -> f64 {
     let starts = std::iter::once(0.0).chain(law.breakpoints());
-    starts.enumerate().all(|(piece, speed)| {
+    let mut rubbing = starts.enumerate().filter(|&(piece, speed)| {
         let series = taylor_coefficients_on(law, piece, speed);
-        series[0] == 0.0 && is_constant(&series)
-    })
+        series[0] != 0.0 || !is_constant(&series)
+    });
+    rubbing.next().map_or(f64::INFINITY, |(_, speed)| speed)
 }
 
 fn is_constant(series: &[f64; LONGEST]) -> bool {

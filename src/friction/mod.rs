@@ -53,7 +53,7 @@ pub use tabulated::Tabulated;
 
 pub(crate) use along::{AlongSlope, FarEnd};
 pub(crate) use check::{
-    has_no_kinetic_friction, is_constant_near, is_constant_on, static_is_nan, validate,
+    frictionless_speed, is_constant_near, is_constant_on, static_is_nan, validate,
 };
 pub(crate) use expansion::{finite_at, slope_on, taylor_coefficients, taylor_coefficients_on};
 pub(crate) use law::{Law, LawRef, Own, Values};

@@ -9,8 +9,8 @@ use super::set::CycleSet;
 use crate::belt::{Belt, Forward, MassOnBelt, Start};
 use crate::clock::Time;
 use crate::error::Error;
+use crate::friction::FrictionLaw;
 use crate::friction::slip::SlipPoint;
-use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 use crate::state::{Direction, State, Units};
 
 /// The attractor that a motion reaches, or the reason why there is none. See [`attractor`].
@@ -366,13 +366,9 @@ impl Nest {
     /// The attractor of a start on a belt that stands still.
     fn at_rest(&self, system: Belt<'_>, start: State) -> Attractor {
         let [_, band] = system.stick_limits();
-        let goes_on = system.damping() == 0.0
-            && start.displacement.hypot(start.velocity) > band
-            && has_no_kinetic_friction(system.law());
-        if goes_on {
-            Attractor::Continuum
-        } else {
-            Attractor::Rest
+        match self.cycles.continuum() {
+            Some(_) if start.displacement.hypot(start.velocity) > band => Attractor::Continuum,
+            _ => Attractor::Rest,
         }
     }
 

@@ -3,8 +3,8 @@
 
 #[cfg(feature = "serde")]
 use super::written;
-use crate::belt::Forward;
-use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_constant_on};
+use crate::belt::{Belt, Forward};
+use crate::friction::{Values, frictionless_speed, is_constant_near, is_constant_on};
 
 /// A continuous family of periodic motions, one for each amplitude in a range.
 ///
@@ -12,9 +12,10 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 /// no damping, and friction does not depend on the speed near the sliding speed |v_b|, the speed of
 /// the belt. Constant friction, as in Coulomb's law, neither feeds nor damps a motion in slip.
 ///
-/// On a belt at rest the family exists if there is neither damping nor kinetic friction. It then
-/// consists of all motions with amplitudes above γ²μ_s, the product of friction load and static
-/// coefficient. A mass that turns back at a smaller displacement sticks.
+/// On a belt at rest the family exists if there is neither damping nor, up to a speed above γ²μ_s,
+/// kinetic friction. It then consists of all motions with amplitudes between γ²μ_s, the product of
+/// friction load and static coefficient, and that speed. A mass that turns back at a smaller
+/// displacement sticks.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
@@ -29,7 +30,7 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 pub struct Continuum {
     /// Amplitude of the largest motion of the family, dimensionless: |v_b| if that motion touches
     /// the belt velocity; less if friction is constant only up to a breakpoint of the law; infinite
-    /// if there is no friction, or if the belt is at rest.
+    /// if there is no friction; on a belt at rest the speed up to which there is none.
     #[cfg_attr(feature = "serde", serde(serialize_with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
 }
@@ -38,6 +39,13 @@ impl Continuum {
     pub(super) const WITHOUT_FRICTION: Self = Self {
         max_amplitude: f64::INFINITY,
     };
+
+    /// The family on a belt at rest.
+    pub(super) fn at_rest(system: Belt<'_>) -> Option<Self> {
+        let [_, band] = system.stick_limits();
+        let max_amplitude = frictionless_speed(system.law());
+        (system.damping() == 0.0 && max_amplitude > band).then_some(Self { max_amplitude })
+    }
 }
 
 /// Returns true if small motions are periodic: there is no damping, and friction does not depend on
@@ -65,5 +73,5 @@ pub(super) fn flat_amplitude(system: &Forward<'_>) -> f64 {
 
 /// Returns true if there is no friction at all.
 pub(crate) fn is_frictionless(law: &dyn Values) -> bool {
-    law.static_coefficient() == 0.0 && has_no_kinetic_friction(law)
+    law.static_coefficient() == 0.0 && frictionless_speed(law) == f64::INFINITY
 }

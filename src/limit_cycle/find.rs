@@ -10,7 +10,7 @@ use super::release::Release;
 use super::set::CycleSet;
 use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
-use crate::friction::{FrictionLaw, has_no_kinetic_friction};
+use crate::friction::FrictionLaw;
 
 /// The periodic motion through the [release point](MassOnBelt::release_state). `None` if the motion
 /// from the release point never returns to it, or if the belt is at rest.
@@ -109,12 +109,10 @@ pub(crate) fn find_moving(tracer: &mut Tracer<'_>) -> Result<CycleSet, Error> {
     nested_cycles(tracer, release)
 }
 
-/// The periodic motions on a belt at rest: a family if there is neither damping nor kinetic
-/// friction, otherwise none.
+/// The periodic motions on a belt at rest: a family or none.
 pub(super) fn of_belt_at_rest(system: Belt<'_>) -> CycleSet {
-    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(system.law());
     CycleSet {
-        continuum: goes_on.then_some(Continuum::WITHOUT_FRICTION),
+        continuum: Continuum::at_rest(system),
         ..CycleSet::default()
     }
 }

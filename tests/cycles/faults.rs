@@ -6,8 +6,8 @@ use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt,
-    Polynomial, State, Stribeck, Tabulated, bifurcation,
+    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Mode,
+    Polynomial, State, Stribeck, Tabulated, analysis, bifurcation,
 };
 
 #[test]
@@ -25,6 +25,50 @@ fn no_grazing_velocity_is_made_by_rounding() {
     search(Polynomial::new(0.4, 0.25, 0.5).unwrap());
     search(Stribeck::new(0.4, 0.25, 0.05, 1).unwrap());
     search(Exponential::new(0.4, 0.25, 0.5).unwrap());
+}
+
+/// Neither friction nor a damper brakes the slip, which ends at the end of the band at which a mass
+/// sticks.
+#[test]
+fn slip_without_loss_ends_in_stick() {
+    let mut random = Random::new(92);
+    for _ in 0..400 {
+        let [mu_s, v_b] = [(); 2].map(|()| random.logarithmic(0.01, 1.0));
+        for kinetic in [0.0, 1e-18] {
+            let system = MassOnBelt::new(Coulomb::new(mu_s, kinetic).unwrap(), v_b).unwrap();
+            let formula = analysis::coulomb::stick_slip(&system).unwrap();
+            let found = limit_cycle::stick_slip(&system).unwrap();
+            let period = found.map(|cycle| cycle.period());
+            let off = period.map(|period| (period / formula.period() - 1.0).abs());
+            assert!(off.is_some_and(|off| off < 1e-13), "{mu_s} {v_b}: {off:?}");
+            let start = State::new(0.0, v_b);
+            let attractor = limit_cycle::attractor(&system, start).unwrap();
+            assert!(matches!(attractor, Attractor::Cycle(_)), "{attractor}");
+        }
+    }
+}
+
+/// A belt at rest, and no friction up to the speed 1/2: motions go on up to this amplitude.
+#[test]
+fn friction_that_begins_at_a_speed_leaves_a_family_on_a_belt_at_rest() {
+    let law = Tabulated::piecewise_linear([(0.0, 0.0), (0.5, 0.0), (1.0, 0.3)]).unwrap();
+    for (mu_s, max_amplitude) in [(0.0, Some(0.5)), (0.1, Some(0.5)), (0.6, None)] {
+        let law = law.clone().with_static_coefficient(mu_s).unwrap();
+        let system = MassOnBelt::new(law, 0.0).unwrap();
+        let family = limit_cycle::find(&system).unwrap().continuum();
+        assert_eq!(family.map(|family| family.max_amplitude), max_amplitude);
+        for displacement in [0.05, 0.3, 2.0] {
+            let start = State::new(displacement, 0.0);
+            let attractor = limit_cycle::attractor(&system, start).unwrap();
+            let goes_on = max_amplitude.is_some() && displacement > mu_s;
+            let is_continuum = attractor == Attractor::Continuum;
+            assert!(is_continuum || attractor == Attractor::Rest);
+            assert_eq!(is_continuum, goes_on, "{mu_s} {displacement}");
+            let motion = system.simulate(start, 2000.0).unwrap();
+            let is_at_rest = motion.mode_at(2000.0) == Some(Mode::Stick);
+            assert_eq!(is_at_rest, !goes_on, "{mu_s} {displacement}");
+        }
+    }
 }
 
 #[test]
