@@ -62,9 +62,9 @@ pub fn velocity_step<const STATES: usize>(
     };
     let memory = law.states.map(|state| {
         let left = (-slip / state.d_c).exp();
-        // ln(V₂θ/D_c)
+        // ln(V₂θ/D_c), as a sum of positive terms.
         let distance = match law.evolution {
-            Evolution::Aging => ((v2 - v1) / v1 * left).ln_1p(),
+            Evolution::Aging => (v2 / v1 * left - (-slip / state.d_c).exp_m1()).ln(),
             Evolution::Slip => (v2 / v1).ln() * left,
         };
         law.memory_at(v2) + distance

@@ -41,6 +41,18 @@ fn integrate<const N: usize>(
     })
 }
 
+/// The speed falls by up to 17 decades at once: the direct effect, and nothing of the state yet.
+#[test]
+fn velocity_steps_down_are_exact() {
+    for law in LAWS.map(|law| law(0.6, 0.01, 0.015, 1e-5, 1e-6).unwrap()) {
+        for v2 in [1e-3, 1e-12, 1e-14, 1e-16, 1e-17] {
+            let expected = law.coefficient(sliding(v2), [law.memory_at(1.0)]);
+            let found = velocity_step(&law, 1.0, v2, 0.0);
+            assert!((found - expected).abs() < 1e-15, "{v2}: {found} {expected}");
+        }
+    }
+}
+
 #[test]
 fn velocity_steps_follow_the_rates_of_the_law() {
     let mut random = Random::new(1);
