@@ -192,8 +192,8 @@ pub fn quiet_velocity(system: &PyBelt) -> PyResult<Option<f64>> {
     Ok(polynomial::quiet_velocity(&system))
 }
 
-/// The two Hopf velocities of the law Exponential with their criticality, exact; None if steady
-/// sliding is stable at every belt velocity.
+/// The two Hopf velocities of the law Exponential with their criticality, exact; None if there are
+/// none: steady sliding is stable at every belt velocity or, without damping, at none.
 #[pyfunction]
 pub fn exponential_hopf_velocities(system: &PyBelt) -> PyResult<Option<[(f64, &'static str); 2]>> {
     let found = exponential::hopf_velocities(&of_exponential(system)?);
@@ -550,8 +550,8 @@ pub fn mean_coefficient(law: &PyLaw, velocity: f64, amplitude: f64) -> PyResult<
     }
 }
 
-/// The belt velocity below which steady sliding is unstable under a fast vibration of a velocity
-/// amplitude, for the law Polynomial; None if it is stable at every velocity.
+/// The belt velocity below which, down to `amplitude`, steady sliding is unstable under a fast
+/// vibration of this velocity amplitude, for the law Polynomial; None if there is none.
 #[pyfunction]
 pub fn onset_velocity(system: &PyBelt, amplitude: f64) -> PyResult<Option<f64>> {
     Ok(fast_vibration::onset_velocity(
@@ -646,8 +646,8 @@ impl WithoutStops {
     }
 }
 
-/// The least force, in units of the friction force, with which an undamped forced oscillator does
-/// not stop; None if the frequency is not positive.
+/// The largest friction, in units of the force amplitude, with which an undamped forced oscillator
+/// does not stop; None if the frequency is not positive.
 #[pyfunction]
 pub fn no_stop_limit(angular_frequency: f64) -> Option<f64> {
     forced::no_stop_limit(angular_frequency)
@@ -712,7 +712,7 @@ pub fn backbone(
 /// The forces of a joint along a history of displacements by Masing's rules.
 ///
 /// Args:
-///     backbone: a function: the force at first loading to a displacement >= 0.
+///     backbone: a function: the force at first loading to a displacement of either sign; odd.
 ///     displacements: the turning points and points between them.
 ///
 /// >>> from stick_slip import analysis
@@ -1148,7 +1148,8 @@ impl StickSlip {
             .ok_or_else(|| PyValueError::new_err("the belt is at rest"))
     }
 
-    /// The ratio of the jump of friction to the belt velocity.
+    /// The drop of friction from rest to the speed of the belt, less the force of the damper at that
+    /// speed, divided by the belt velocity.
     #[getter]
     fn kappa(&self) -> f64 {
         self.0.kappa()
