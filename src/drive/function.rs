@@ -111,17 +111,15 @@ pub trait TimeFunction: Sized {
     fn timescale(&self, piece: usize) -> f64;
 
     /// Times at which pieces of the function meet: finitely many, ascending. With a
-    /// [period](Self::period) T they must lie in 0 ≤ t < T, and repeat. Unless there is none, the
-    /// function may also jump or have a kink at the start of each period, even if 0 is not among
-    /// them; `piece` still counts only the times given here.
+    /// [period](Self::period) T they must lie in 0 ≤ t < T, and repeat. The function may also jump
+    /// or have a kink at the start of each period, even if 0 is not among them; `piece` still counts
+    /// only the times given here.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
 
-    /// The period T, if the function has one.
-    ///
-    /// Without breakpoints f(t + T) = f(t) must hold for the formula itself near the ends of a
-    /// period, to rounding.
+    /// The period T, if the function has one. The formula is evaluated for one period only, from 0
+    /// to T.
     fn period(&self) -> Option<f64> {
         None
     }

@@ -88,7 +88,8 @@ impl Function {
             }
             last = value;
         }
-        let is_started = period.is_some() && breakpoints.first().is_some_and(|b| *b > 0.0);
+        // The formula is that of one period.
+        let is_started = period.is_some() && breakpoints.first().is_none_or(|b| *b > 0.0);
         let start = is_started.then_some((0.0, 0));
         let marks = breakpoints
             .iter()

@@ -590,3 +590,93 @@ fn a_function_is_equal_to_itself_only() {
     assert_ne!(one, other);
     assert!(format!("{one:?}").contains("Chirp"));
 }
+
+/// exp(−((t − 1)/w)²) in each period of 2: the formula is 0 in all others.
+struct Bumps;
+
+/// Width of a bump.
+const WIDTH: f64 = 0.01;
+
+impl TimeFunction for Bumps {
+    fn value<S: Scalar>(&self, time: S, _: usize) -> S {
+        (-((time - 1.0) / WIDTH).square()).exp()
+    }
+    fn size(&self) -> f64 {
+        1.0
+    }
+    fn timescale(&self, _: usize) -> f64 {
+        WIDTH
+    }
+    fn period(&self) -> Option<f64> {
+        Some(2.0)
+    }
+}
+
+/// A bump in each period gives a free mass a velocity, and moves one that sticks to its belt.
+#[test]
+fn a_function_without_breakpoints_is_that_of_one_period() {
+    let bumps = || Drive::function(Bumps).unwrap();
+    let free = Structure::new(&[1.0])
+        .and_then(|block| block.with_force(0, bumps()))
+        .unwrap();
+    let carried = Contact::new(0, Coulomb::new(1e6, 1e6).unwrap(), 1.0)
+        .and_then(|contact| Structure::new(&[1.0])?.with_contact(contact.on_belt(bumps())))
+        .unwrap();
+    for start in [0.0, 0.5, 1.5, 1.9] {
+        for end in [3.7, 6.5, 20.5] {
+            let run = |block: &Structure| {
+                let from = Integrator::new().with_start_time(start).unwrap();
+                let motion = from.simulate(block, State::at_rest(1), end - start);
+                motion.unwrap().last()
+            };
+            let passed = |t: f64| ((t + 1.0) / 2.0).floor();
+            let expected = (passed(end) - passed(start)) * WIDTH * PI.sqrt();
+            for found in [run(&free).velocities[0], run(&carried).displacements[0]] {
+                let off = found - expected;
+                assert!(off.abs() < 1e-12, "{start} {end}: {off:e}");
+            }
+        }
+    }
+}
+
+/// A table under a block that sticks is shaken by half a sine, which begins at 0.
+#[test]
+fn a_shaken_table_carries_its_block() {
+    /// Start, duration and height.
+    struct Shock(f64, f64, f64);
+    impl TimeFunction for Shock {
+        fn value<S: Scalar>(&self, time: S, piece: usize) -> S {
+            match piece {
+                1 => ((time - self.0) * (PI / self.1)).sin() * self.2,
+                _ => time.constant(0.0),
+            }
+        }
+        fn size(&self) -> f64 {
+            self.2
+        }
+        fn timescale(&self, piece: usize) -> f64 {
+            [f64::INFINITY, self.1 / PI, f64::INFINITY][piece]
+        }
+        fn breakpoints(&self) -> impl Iterator<Item = f64> {
+            [self.0, self.0 + self.1].into_iter()
+        }
+    }
+    for start in [0.0, 1.0, 5.0, 50.0] {
+        for (duration, height) in [(1.0, 0.3), (0.1, 0.3), (1.0, 300.0), (1.0, 3e-4)] {
+            let table = Drive::function(Shock(start, duration, height)).unwrap();
+            let contact = Contact::new(0, Coulomb::new(30.0, 30.0).unwrap(), 1e3).unwrap();
+            let block = Structure::new(&[1.0])
+                .and_then(|block| block.with_ground_spring(0, 1.0))
+                .and_then(|block| block.with_contact(contact.on_belt(table)))
+                .unwrap();
+            let motion = block
+                .simulate(State::at_rest(1), start + 2.0 * duration)
+                .unwrap();
+            let off = motion.last().displacements[0] - height * duration * 2.0 / PI;
+            assert!(
+                off.abs() < 1e-13 * height,
+                "{start} {duration} {height}: {off:e}"
+            );
+        }
+    }
+}

@@ -359,7 +359,7 @@ fn plan_within(
         let scale = if own < shared {
             own.max(shared.min(motion.largest_change(within)))
         } else {
-            own
+            unless_zero(own, within, |time| motion.largest_change(time))
         };
         let mut error = tolerance * scale;
         if model.shared_coordinates.binary_search(&i).is_ok() && within.is_finite() {
@@ -467,17 +467,22 @@ fn state_scale(state: &PowerSeries, within: f64) -> f64 {
         true => state[k as usize].abs() * within.powi(k),
         false => 0.0,
     };
-    (1..=3).map(by_rate).fold(state[0].abs(), f64::max)
+    let scale = (1..=3).map(by_rate).fold(state[0].abs(), f64::max);
+    unless_zero(scale, within, |time| state.largest_change(time))
+}
+
+/// A scale, or the change in a time of a quantity that begins with a higher power of the time.
+fn unless_zero(scale: f64, time: f64, change: impl Fn(f64) -> f64) -> f64 {
+    match scale == 0.0 && time.is_finite() {
+        true => change(time),
+        false => scale,
+    }
 }
 
 /// The scale of a variable of the memory over a time: its size, its change or its unit.
 pub(super) fn memory_scale(value: f64, series: &PowerSeries, unit: f64, time: f64) -> f64 {
     let scale = value.abs().max(series[1].abs() * time).max(unit);
-    if scale > 0.0 {
-        scale
-    } else {
-        series.largest_change(time)
-    }
+    unless_zero(scale, time, |time| series.largest_change(time))
 }
 
 /// The error of a sliding speed that settles at the rate D, under forces of the size `terms`:

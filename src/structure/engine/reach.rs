@@ -100,7 +100,7 @@ impl CoordinateMotion<'_> {
         match self {
             Self::Free(motion) => motion.velocities().largest_change(time),
             Self::Slips(speeds, _) => speeds.largest_change(time),
-            Self::Sticks(_) => 0.0,
+            Self::Sticks(surface) => surface.largest_change(time),
         }
     }
 
