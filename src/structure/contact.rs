@@ -400,7 +400,8 @@ impl Contact {
 
     fn load_with(&self, time: f64, displacements: &[f64], velocity: impl Fn(usize) -> f64) -> f64 {
         let displacement = |j: usize| displacements.get(j).copied().unwrap_or(f64::NAN);
-        let terms = self.whole_gradient().map(|(j, n)| n * displacement(j));
+        let gradient = self.whole_gradient().into_iter();
+        let terms = gradient.map(|(j, n)| n * displacement(j));
         let linear = self.load.value(time) + terms.sum::<f64>();
         let laws = self.load_data();
         laws.fold(linear, |sum, law| {
@@ -410,11 +411,14 @@ impl Contact {
 
     /// Coordinates with the derivative of the load by their displacements, that of a normal spring
     /// included.
-    pub(super) fn whole_gradient(&self) -> impl Iterator<Item = (usize, f64)> {
-        let spring = self.normal_spring.iter();
-        let of_spring =
-            spring.flat_map(|(direction, k)| direction.iter().map(move |&(j, d)| (j, k * d)));
-        self.load_gradient.iter().copied().chain(of_spring)
+    pub(super) fn whole_gradient(&self) -> Vec<(usize, f64)> {
+        let mut gradient = self.load_gradient.clone();
+        if let Some((direction, k)) = &self.normal_spring {
+            for &(j, d) in direction {
+                add_entry(&mut gradient, j, k * d);
+            }
+        }
+        gradient
     }
 
     /// The larger μ_s and the smaller μ̂(0) of both directions, with a memory of zeros; `None` if
@@ -443,7 +447,7 @@ impl Contact {
             Cow::Borrowed(&self.direction),
             &*self.law,
             [&self.load, &self.belt_velocity].map(Arc::clone),
-            self.whole_gradient().collect(),
+            self.whole_gradient(),
         );
         data.tangential_stiffness = self.tangential_stiffness;
         if let Some((direction, _)) = &self.normal_spring {
@@ -461,7 +465,7 @@ impl Contact {
     pub(super) fn check(&self, number: usize, masses: &[f64]) -> Result<(), Error> {
         let element = Element::Contact(number);
         let direction = self.direction.iter().map(|&(j, _)| j);
-        let gradients = self.whole_gradient().map(|(j, _)| j);
+        let gradients = self.whole_gradient().into_iter().map(|(j, _)| j);
         let laws = self.load_laws.iter().flat_map(ForceElement::directions);
         let laws = laws.flatten().map(|&(j, _)| j);
         let coordinates = std::iter::once(self.coordinate)

@@ -37,6 +37,26 @@ fn a_printed_loop() {
     }
 }
 
+/// A normal spring and a gradient of the load on the coordinate along which the contact acts, which
+/// never slips: q = −d N₀ (1 − cos ωt)/K with K = k + k_t + d (k_n d + n), ω² = K.
+#[test]
+fn a_normal_spring_and_a_gradient_of_one_coordinate_add() {
+    for (d, n) in [(1.0, 0.5), (1.0, -0.5), (0.1, 0.5), (1.0, -3.0)] {
+        let contact = Contact::new(0, even(100.0), 10.0)
+            .and_then(|contact| contact.with_tangential_stiffness(5.0))
+            .and_then(|contact| contact.with_normal_spring(&[(0, d)], 3.0))
+            .and_then(|contact| contact.with_load_gradient(0, n))
+            .unwrap();
+        let structure = one_mass([1.0, 0.0, 2.0], 0.0, contact).unwrap();
+        let motion = structure.simulate(State::at_rest(1), 5.0).unwrap();
+        let stiffness: f64 = 7.0 + d * (3.0 * d + n);
+        let expected = -d * 10.0 / stiffness * (1.0 - (5.0 * stiffness.sqrt()).cos());
+        assert_abs_diff_eq!(motion.last().displacements[0], expected, epsilon = 1e-13);
+        let budget = structure.energy_budget(&motion).unwrap();
+        assert!(budget.defect().abs() < 1e-12, "{:e}", budget.defect());
+    }
+}
+
 /// One mass on a spring and a Jenkins element, without damping, by its arcs in closed form: the
 /// time and the displacement of each event, all in differences from the event before.
 fn arcs(stiffness: f64, limit: f64, start: f64, most: usize) -> Vec<(f64, EventKind, f64)> {

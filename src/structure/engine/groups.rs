@@ -82,7 +82,8 @@ impl Groups {
             for &(j, x) in contact.responses() {
                 rows[j].push((count * LANES + place, x));
             }
-            for &(j, y) in &contact.reaction {
+            // Constant loads act at order 0, which is not computed here.
+            for &(j, y) in contact.reaction.iter().filter(|_| loads_vary) {
                 reactions[j].push((place, y));
             }
         }
