@@ -5,12 +5,44 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Direction, Directional, Drive, EventKind, Freewheel, Mode, Structure, Trajectory,
+    Contact, Direction, Directional, Drive, EventKind, ForceElement, Freewheel, Mode, Structure,
+    TabulatedForce, Trajectory,
 };
 
 use crate::common::{Random, count, even, forces, keys, list, text};
 use crate::naive::relax;
 use crate::reading::{cases, numbers, structure};
+
+/// A mass on a breakpoint of its spring is pulled off to either side: two pads of half the load move
+/// as one of the whole.
+#[test]
+fn pads_released_on_a_breakpoint_move_as_one() {
+    let spring = [(-1.0, -1.0), (0.0, 0.0), (1.0, 4.0)];
+    let spring = TabulatedForce::piecewise_linear(&spring).unwrap();
+    for side in [-1.0, 1.0] {
+        let pull = Drive::profile(&[(0.0, 0.0), (10.0, side)]).unwrap();
+        let run = |pads: usize| {
+            let mut block = Structure::new(&[1.0])
+                .and_then(|block| block.with_force(0, pull.clone()))
+                .and_then(|block| block.with_element(ForceElement::new(0, spring.clone())?))
+                .unwrap();
+            for _ in 0..pads {
+                let pad = Contact::new(0, even(0.3), 1.0 / pads as f64).unwrap();
+                block = block.with_contact(pad).unwrap();
+            }
+            let motion = block.simulate(State::at_rest(1), 8.0).unwrap();
+            let budget = block.energy_budget(&motion).unwrap();
+            assert!(budget.defect().abs() < 1e-14, "{:e}", budget.defect());
+            motion.last()
+        };
+        let one = run(1);
+        for pads in [2, 3] {
+            let several = run(pads);
+            let [found, expected] = [&several, &one].map(|state| state.displacements[0]);
+            assert_abs_diff_eq!(found, expected, epsilon = 1e-13);
+        }
+    }
+}
 
 /// Two shafts, a brake on each and a clutch between them, with a torque that grows by 1 in a unit
 /// of time on shaft 0.

@@ -31,9 +31,10 @@ pub(super) fn decide(
     series: &mut Series,
     disturbance: Disturbance,
 ) -> Result<(), Error> {
-    let closed = situation
-        .closed
-        .take_if(|_| disturbance != Disturbance::None);
+    // Contacts that begin to slip rest now, and not at the end of the next step.
+    let begins = |&c: &usize| situation.contacts[c].rests() && !situation.contacts[c].sticks();
+    let is_other = disturbance != Disturbance::None || model.shared.iter().any(begins);
+    let closed = situation.closed.take_if(|_| is_other);
     decide_modes(model, situation, series, disturbance)?;
     let left_out = closed.map_or_else(Vec::new, |closed| closed.left_out);
     if hold_left_out(model, situation, series, &left_out) {
