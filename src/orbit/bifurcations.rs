@@ -36,6 +36,12 @@ const MOST_HALVINGS: usize = 100;
 /// event sequence when the interval between them is closed.
 pub(super) const JUMP: f64 = 1e-4;
 
+/// The two sides of a change come nearer to each other at least like the square root of the interval
+/// between them. The curve jumps if they have not come nearer by this part while the interval
+/// narrowed by this factor.
+const NEARER: f64 = 0.5;
+const NARROWER: f64 = 64.0;
+
 /// An interval that could not be closed counts as closed below this width. Where slips to and fro
 /// began at a distance d before, a multiplier is 1 − O(d): below √ε rounding decides the position
 /// of the contact, and no motion is found.
@@ -133,6 +139,7 @@ impl LocalCurve<'_, '_> {
         /// Parts of the interval to try if nothing is found at the first place.
         const PARTS: [f64; 5] = [0.5, 0.25, 0.75, 0.0625, 0.9375];
         let mut sides = Sides::new(first, last);
+        let mut wide = (last.distance - first.distance, self.apart(first, last));
         for _ in 0..MOST_HALVINGS {
             let (low, high) = (sides.low.distance, sides.high.distance);
             let width = high - low;
@@ -160,6 +167,14 @@ impl LocalCurve<'_, '_> {
             };
             let is_low = place.solved.sequence.is_like(&first.solved.sequence);
             sides.narrow(place, is_low);
+            let width = sides.high.distance - sides.low.distance;
+            if width <= wide.0 / NARROWER {
+                let apart = self.apart(&sides.low, &sides.high);
+                if apart > JUMP.max(NEARER * wide.1) {
+                    return Err(self.lost(&sides.high));
+                }
+                wide = (width, apart);
+            }
         }
         let Sides { low, high, .. } = sides;
         let departure = self.departure(&low, &high).max(self.departure(&high, &low));

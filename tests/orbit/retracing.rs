@@ -1,10 +1,12 @@
 //! A branch visits no motion twice.
 
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
 use stick_slip::orbit::{
-    Attractor, BifurcationKind, Branch, BranchEnd, BranchPoint, Orbit, Period, classify, follow,
-    settle,
+    Attractor, BifurcationKind, Branch, BranchEnd, BranchPoint, Orbit, Period, Search, classify,
+    follow, settle,
 };
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Dwell, Error, Exponential, Rational, Structure};
@@ -208,6 +210,35 @@ fn random_branches_visit_no_motion_twice() {
     }
     assert!(150 * lost <= followed, "{lost} of {followed} lost");
     assert!(followed >= count(4, 200), "{followed}");
+}
+
+/// The two sides of a jump do not come nearer to each other: a few motions show that, and not as
+/// many as a number has bits, for each step that is too long.
+#[test]
+fn a_jump_is_reached_by_few_motions() {
+    let mut random = Random::new(20_261_127);
+    let families = (0..=27).map(|_| Family::random(&mut random));
+    let family = families.last().unwrap();
+    let orbit = family.motion().unwrap();
+    let steps = Cell::new(0);
+    let search = Search::new().watched(|progress| {
+        steps.set(progress.steps);
+        ControlFlow::Continue(())
+    });
+    let at = |parameter: f64| family.at(parameter);
+    let branch = search.follow(at, 1.0, &orbit, 0.75..1.25).unwrap();
+    let [BranchEnd::Range, BranchEnd::Discontinuity { .. }] = branch.ends else {
+        panic!("{:?}", branch.ends)
+    };
+    let of_a_motion = |point: &BranchPoint<State>| point.orbit.trajectory().steps().len();
+    let longest = branch.points.iter().map(of_a_motion).max().unwrap();
+    let motions = steps.get() / longest;
+    // 22 a point; 70 if the interval at the jump were halved to the end each time.
+    assert!(
+        motions < 40 * branch.points.len(),
+        "{motions} for {}",
+        branch.points.len()
+    );
 }
 
 /// As the load falls, a contact at rest begins to slip to and fro. The first slips are as short as
