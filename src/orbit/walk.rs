@@ -339,13 +339,11 @@ impl Walk<'_, '_> {
         pairs.any(|pair| {
             // Begun in another of its periods a motion is another point of the curve.
             let begun = |point: &Left| {
-                let point = curve.guess_at(point.y.clone(), point.begin.clone()).ok()?;
-                let mut seen = curve.seen(&point, &motion.begin).into_iter();
-                if curve.is_free() {
-                    seen.next_back()
-                } else {
-                    seen.next()
+                if curve.is_free() || point.begin.phase == motion.begin.phase {
+                    return Some(point.y.clone());
                 }
+                let point = curve.guess_at(point.y.clone(), point.begin.clone()).ok()?;
+                curve.seen(&point, &motion.begin).into_iter().next()
             };
             let (Some(low), Some(high)) = (begun(&pair[0]), begun(&pair[1])) else {
                 return false;
