@@ -13,21 +13,45 @@ pub(crate) fn least_norm(
     svd.solve(right, least).ok()
 }
 
+/// A decomposed matrix with its rows in units of their sizes, for many right-hand sides.
+#[derive(Debug)]
+pub(crate) struct LeastNorm {
+    sizes: DVector<f64>,
+    svd: SVD<f64, Dyn, Dyn>,
+    least: f64,
+}
+
+impl LeastNorm {
+    /// Singular values below a part of the largest count as 0.
+    pub(crate) fn of(mut matrix: DMatrix<f64>, singular: f64) -> Option<Self> {
+        let mut sizes = DVector::from_element(matrix.nrows(), 1.0);
+        for (mut row, unit) in matrix.row_iter_mut().zip(sizes.iter_mut()) {
+            let size = row.amax();
+            if size > 0.0 {
+                row /= size;
+                *unit = size;
+            }
+        }
+        let svd = decomposed(matrix, &DVector::zeros(0))?;
+        let least = singular * svd.singular_values.max();
+        Some(Self { sizes, svd, least })
+    }
+
+    /// The minimum-norm least-squares solution, if it is finite.
+    pub(crate) fn solve(&self, right: &DVector<f64>) -> Option<DVector<f64>> {
+        let right = right.component_div(&self.sizes);
+        let solution = self.svd.solve(&right, self.least).ok()?;
+        solution.iter().all(|x| x.is_finite()).then_some(solution)
+    }
+}
+
 /// Solves the equations with their rows in units of the rows' sizes, if the solution is finite.
 pub(crate) fn least_norm_by_rows(
-    mut matrix: DMatrix<f64>,
-    mut right: DVector<f64>,
+    matrix: DMatrix<f64>,
+    right: &DVector<f64>,
     singular: f64,
 ) -> Option<DVector<f64>> {
-    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
-        let size = row.amax();
-        if size > 0.0 {
-            row /= size;
-            *right /= size;
-        }
-    }
-    let solution = least_norm(matrix, &right, singular)?;
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
+    LeastNorm::of(matrix, singular)?.solve(right)
 }
 
 /// The number of singular values below a part of the largest, of a matrix with its rows in units of

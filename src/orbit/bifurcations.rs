@@ -36,9 +36,9 @@ const MOST_HALVINGS: usize = 100;
 /// event sequence when the interval between them is closed.
 pub(super) const JUMP: f64 = 1e-4;
 
-/// The two sides of a change come nearer to each other at least like the square root of the interval
-/// between them. The curve jumps if they have not come nearer by this part while the interval
-/// narrowed by this factor.
+/// The two sides of a change come nearer to each other at least like the square root of the
+/// interval between them. The curve jumps if their distance has not fallen to this part while the
+/// interval narrowed by this factor.
 const NEARER: f64 = 0.5;
 const NARROWER: f64 = 64.0;
 

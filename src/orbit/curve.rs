@@ -23,7 +23,7 @@ use super::spectrum::spectrum;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Segment;
-use crate::numerics::least_norm::{least_norm_by_rows, nullity};
+use crate::numerics::least_norm::{LeastNorm, least_norm_by_rows, nullity};
 use crate::numerics::trace::{Plane, is_in_or_near};
 use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
@@ -80,12 +80,10 @@ const MOST_TRIALS: usize = 50_000;
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
 
-/// The first step with the derivatives of another motion is at most this long, and each other at
-/// most this part of the one before.
-const NEARBY: f64 = 1e-3;
-const CONVERGING: f64 = 0.25;
+/// A step larger than this part of the step before does not converge, or is rounding.
+const FALLING: f64 = 0.5;
 
-/// Newton's steps have converged, to rounding or nearly, if the last one is below this size.
+/// Steps with the derivatives of another motion that no longer fall are rounding below this size.
 const CONVERGED: f64 = 1e-9;
 
 /// A step above this size has the derivative by the parameter computed again.
@@ -414,7 +412,7 @@ impl Curve<'_> {
             let size = self.largest(&change, plane.scale, &trial);
             let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
             let is_last = steps > 0 && size <= (10.0 * FINE).min(FAST * before);
-            let is_rounding = is_last || size >= 0.5 * before;
+            let is_rounding = is_last || size >= FALLING * before;
             if size <= FINE || (closed && is_rounding) {
                 let slope = slope.clone();
                 return self.solved((y, trial, slope), (begin, steps), matrix, plane);
@@ -430,9 +428,10 @@ impl Curve<'_> {
         }
     }
 
-    /// A guess brought nearer to the point of the curve on a plane, by Newton steps with the
-    /// derivatives of a motion nearby: a step costs one motion, and a monodromy matrix as much as
-    /// several. `None` if they do not converge.
+    /// A guess brought nearer to the point of the curve on a plane, to rounding: bifurcations are
+    /// found between points as exact as Newton's. By Broyden's method from the derivatives of a
+    /// motion nearby: a step costs one motion, and a monodromy matrix as much as several. `None` if
+    /// the steps do not converge, or lead to other events, of which those derivatives know nothing.
     pub(super) fn nearer(
         &self,
         mut y: DVector<f64>,
@@ -443,24 +442,44 @@ impl Curve<'_> {
         let motion = (&near.trial, &near.begin);
         let (mut matrix, _) = self.linearised(&y, motion, near.slope.as_ref()?, plane.scale);
         matrix.row_mut(last).copy_from(&plane.normal.transpose());
-        let mut before = NEARBY;
+        let inverse = LeastNorm::of(matrix, SINGULAR)?;
+        let events = events_of(&map.steps);
+        let mut taken: Vec<DVector<f64>> = Vec::new();
+        let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             self.tried.set(self.tried.get() + 1);
-            let (start, end, _) = self.passage(&y, &near.begin).ok()?;
+            let (start, end, passed) = self.passage(&y, &near.begin).ok()?;
+            if passed != events {
+                return None;
+            }
             let mut right = map.closing_by(&map.residual_near(&start, &end), last + 1);
             if let Some(condition) = &near.begin.condition {
                 right[self.order] = -condition.missed_by(&y.rows(0, self.order).into_owned());
             }
             right[last] = plane.missed_by(&y);
-            let change = solution(&matrix, &right)?;
-            let size = self.largest(&change, plane.scale, &near.trial);
-            if size.is_nan() || size > before {
-                return (size <= CONVERGED).then_some(y);
+            let mut step = inverse.solve(&right)?;
+            // The inverse with all updates; each follows from two steps in succession.
+            for pair in taken.windows(2) {
+                step += &pair[1] * (pair[0].dot(&step) / pair[0].norm_squared());
             }
-            y += change.component_mul(plane.scale);
-            before = CONVERGING * size;
+            if let Some(last) = taken.last() {
+                step /= 1.0 - last.dot(&step) / last.norm_squared();
+            }
+            let size = self.largest(&step, plane.scale, &near.trial);
+            let is_near = size.is_finite() && step.amax() <= 1.0;
+            if !is_near || size > FALLING * before {
+                return (before <= CONVERGED).then_some(y);
+            }
+            y += step.component_mul(plane.scale);
+            // What remains, if steps go on to fall as this one.
+            let rate = if taken.is_empty() { 1.0 } else { size / before };
+            if size * rate <= f64::EPSILON {
+                return Some(y);
+            }
+            before = size;
+            taken.push(step);
         }
-        Some(y)
+        None
     }
 
     /// The largest part of a Newton step: each number in units of its scale, or of its size in the
@@ -574,5 +593,5 @@ const SINGULAR: f64 = 1e-8;
 
 /// The minimum-norm solution of a linear system.
 pub(super) fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    least_norm_by_rows(matrix.clone(), right.clone(), SINGULAR)
+    least_norm_by_rows(matrix.clone(), right, SINGULAR)
 }

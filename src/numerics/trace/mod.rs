@@ -231,7 +231,7 @@ pub(crate) fn solve<E: Equations>(
         let rows = residual.len();
         let mut right = (-&residual).insert_row(rows, 0.0);
         right[rows] = plane.missed_by(&y);
-        let Some(change) = least_norm_by_rows(with_row(jacobian, &plane.normal), right, SINGULAR)
+        let Some(change) = least_norm_by_rows(with_row(jacobian, &plane.normal), &right, SINGULAR)
         else {
             return Err(equations.lost(&y, &value));
         };
@@ -245,7 +245,7 @@ pub(crate) fn solve<E: Equations>(
         if size <= FINE || (is_small && size >= 0.5 * before) {
             let mut right = DVector::zeros(rows + 1);
             right[rows] = 1.0;
-            let tangent = least_norm_by_rows(with_row(jacobian, plane.along), right, SINGULAR);
+            let tangent = least_norm_by_rows(with_row(jacobian, plane.along), &right, SINGULAR);
             let tangent = tangent.filter(|tangent| tangent.norm() > 0.0);
             let Some(tangent) = tangent.filter(|_| is_small) else {
                 return Err(equations.lost(&y, &value));

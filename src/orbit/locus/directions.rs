@@ -98,7 +98,7 @@ fn common_zero(
             let apart = (high[j] - low[j]) / scale[j];
             jacobian.set_column(j, &((of(&high)? - of(&low)?) / apart));
         }
-        let Some(step) = least_norm_by_rows(jacobian, right, SINGULAR) else {
+        let Some(step) = least_norm_by_rows(jacobian, &right, SINGULAR) else {
             return Ok(None);
         };
         let size = step.amax();
