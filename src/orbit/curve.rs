@@ -382,6 +382,18 @@ impl Curve<'_> {
         near: &Solved,
         plane: &Plane<'_>,
     ) -> Result<Solved, Error> {
+        self.newton(guess, f64::INFINITY, near, plane)
+    }
+
+    /// Newton's method from a guess, of which this error is expected, in units of the scales. Where
+    /// rounding alone is expected, the first motion is not confirmed by a second one.
+    pub(super) fn newton(
+        &self,
+        guess: &DVector<f64>,
+        error: f64,
+        near: &Solved,
+        plane: &Plane<'_>,
+    ) -> Result<Solved, Error> {
         let (mut y, begin) = (guess.clone(), &near.begin);
         // With the events of the motion to which it belongs.
         let mut slope: Option<(Events, DVector<f64>)> = None;
@@ -411,7 +423,11 @@ impl Curve<'_> {
             };
             let size = self.largest(&change, plane.scale, &trial);
             let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
-            let is_last = steps > 0 && size <= (10.0 * FINE).min(FAST * before);
+            let is_expected = match steps {
+                0 => error <= f64::EPSILON,
+                _ => size <= FAST * before,
+            };
+            let is_last = is_expected && size <= 10.0 * FINE;
             let is_rounding = is_last || size >= FALLING * before;
             if size <= FINE || (closed && is_rounding) {
                 let slope = slope.clone();

@@ -82,6 +82,10 @@ impl LocalCurve<'_, '_> {
         let part = (distance - low.distance) / (high.distance - low.distance);
         let guess = &low.solved.y * (1.0 - part) + &high.solved.y * part;
         let near = if part < 0.5 { low } else { high };
-        self.at(distance, &guess, &near.solved)
+        let plane = self.across(self.base, &self.base.tangent, distance);
+        // Of linear interpolation.
+        let error = self.apart(low, high).powi(2);
+        let solved = self.curve.newton(&guess, error, &near.solved, &plane)?;
+        Ok(CurvePoint { distance, solved })
     }
 }
