@@ -25,8 +25,8 @@ pub trait Oscillator: System + FamilyMember + Shown {}
 pub trait FamilyMember {
     /// The system without the type of its laws.
     fn form(&self) -> GeneralForm<'_>;
-    /// Work and heat along a motion.
-    fn energy_along(&self, steps: &[Step]) -> EnergyBudget;
+    /// Work and heat over a period of these steps.
+    fn energy_over(&self, steps: &[Step]) -> EnergyBudget;
 }
 
 /// Motions of the system in its own form. Not exported.
@@ -68,9 +68,9 @@ impl FamilyMember for Structure {
         GeneralForm::new(self.model())
     }
 
-    fn energy_along(&self, steps: &[Step]) -> EnergyBudget {
+    fn energy_over(&self, steps: &[Step]) -> EnergyBudget {
         let model = self.model();
-        self.energies(&model).budget(steps)
+        self.energies(&model).budget_of_period(steps)
     }
 }
 
@@ -98,7 +98,7 @@ impl<L: FrictionLaw> FamilyMember for MassOnBelt<L> {
         GeneralForm::new(Model::of_belt(self))
     }
 
-    fn energy_along(&self, steps: &[Step]) -> EnergyBudget {
+    fn energy_over(&self, steps: &[Step]) -> EnergyBudget {
         let one = |entry: f64| Sparse::diagonal(std::iter::once(entry));
         let energies = Energies {
             model: &Model::of_belt(self),
@@ -107,7 +107,7 @@ impl<L: FrictionLaw> FamilyMember for MassOnBelt<L> {
             damping: one(2.0 * self.damping()),
             normal: vec![None],
         };
-        energies.budget(steps)
+        energies.budget_of_period(steps)
     }
 }
 

@@ -85,7 +85,7 @@ impl Closed {
         let TrialMotion { period, map, .. } = found;
         let course = map.course();
         let map = map.since_zero(period);
-        let energy = system.energy_along(&map.steps);
+        let energy = system.energy_over(&map.steps);
         Ok(Self {
             kind: match kind {
                 Period::Free(_) => Period::Free(period),
@@ -465,7 +465,8 @@ impl<S: SystemState> Orbit<S> {
         self.contact(contact, |of| of.max_sliding_speed)
     }
 
-    /// Work and heat over one period, for each force, contact and damper. For a
+    /// Work and heat over one period, for each force, contact and damper. A factor or a load that
+    /// jumps at the end of the period counts as one that jumps inside. For a
     /// [`MassOnBelt`](crate::MassOnBelt) these are the values of
     /// [`LimitCycle::energy`](crate::LimitCycle::energy). A value with a term that
     /// overflows is ±∞, or NaN if terms of both signs do.

@@ -189,7 +189,21 @@ impl Energies<'_, '_> {
     }
 
     /// The budget of a motion of these steps.
-    pub(crate) fn budget(&self, steps: &[Step]) -> EnergyBudget {
+    fn budget(&self, steps: &[Step]) -> EnergyBudget {
+        self.along(steps).0
+    }
+
+    /// The budget of a period of these steps: drives may jump at its end, too.
+    pub(crate) fn budget_of_period(&self, steps: &[Step]) -> EnergyBudget {
+        let (mut budget, ends) = self.along(steps);
+        if let Some((first, last)) = ends {
+            budget.stored += self.add_jump(&mut budget, &last, &first);
+        }
+        budget
+    }
+
+    /// The budget of a motion of these steps, and its ends, with the drives of its own steps.
+    fn along(&self, steps: &[Step]) -> (EnergyBudget, Option<(Instant, Instant)>) {
         let (model, contacts) = (self.model, self.model.contacts.len());
         let mut budget = EnergyBudget {
             force_work: vec![0.0; model.len()],
@@ -218,10 +232,10 @@ impl Energies<'_, '_> {
             let first = ends.map_or(start, |(first, _)| first);
             ends = Some((first, end));
         }
-        if let Some((first, last)) = ends {
-            budget.stored = self.stored(&last) - self.stored(&first);
+        if let Some((first, last)) = &ends {
+            budget.stored = self.stored(last) - self.stored(first);
         }
-        budget
+        (budget, ends)
     }
 
     /// Adds the contributions of one point of the quadrature, a time t after the start of a step.
@@ -283,22 +297,29 @@ impl Energies<'_, '_> {
     }
 
     /// Adds the effect of a load or a factor that jumps between two steps: the slider of an elastic
-    /// contact slips at once, a normal spring is pressed, and a potential changes.
-    fn add_jump(&self, budget: &mut EnergyBudget, before: &Instant, after: &Instant) {
+    /// contact slips at once, a normal spring is pressed, and a potential changes. Returns the
+    /// change of the stored energy.
+    fn add_jump(&self, budget: &mut EnergyBudget, before: &Instant, after: &Instant) -> f64 {
+        let mut stored = 0.0;
         for (c, loss) in budget.friction_loss.iter_mut().enumerate() {
             let [from, to] = [before, after].map(|at| self.of_contact(c, at.contacts[c].carried));
             *loss += from - to;
+            stored += to - from;
         }
         let springs = zip(self.of_normals(before), self.of_normals(after));
         for (work, (from, to)) in zip(&mut budget.normal_work, springs) {
             *work += to - from;
+            stored += to - from;
         }
         let factors = zip(&before.elements, &after.elements);
         let elements = zip(self.model.force_elements(), factors);
         for (work, (element, (from, to))) in zip(&mut budget.element_work, elements) {
             let energy = element.potential(&|j| after.state.displacements[j]);
-            *work += (to.factor[0] - from.factor[0]) * energy;
+            let change = (to.factor[0] - from.factor[0]) * energy;
+            *work += change;
+            stored += change;
         }
+        stored
     }
 }
 

@@ -1,11 +1,13 @@
 //! Measures of periodic motions: those of a belt against the complete search, energies against
 //! reference data and against each other, a linear motion in closed form.
 
-use stick_slip::orbit::{Orbit, Period, shoot};
+use std::f64::consts::TAU;
+
+use stick_slip::orbit::{Orbit, Period, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Drive, Exponential, FrictionLaw, Integrator, MassOnBelt, Structure,
-    limit_cycle,
+    Contact, Coulomb, Drive, EnergyBudget, Error, Exponential, ForceElement, FrictionLaw,
+    Integrator, MassOnBelt, PolynomialSpring, Scalar, Structure, TimeFunction, limit_cycle,
 };
 
 use crate::common::{Worst, assert_met, list, number, paper, text};
@@ -203,4 +205,99 @@ fn what_there_is_not_is_nan() {
         assert!(number.is_nan());
     }
     assert!(orbit.harmonics(1, 3).is_empty() && orbit.harmonics(0, 0).is_empty());
+}
+
+/// A factor or a load that is one number in one half of a period and another one in the other half.
+struct Square {
+    values: [f64; 2],
+    period: f64,
+    begin: f64,
+}
+
+impl TimeFunction for Square {
+    fn value<S: Scalar>(&self, time: S, piece: usize) -> S {
+        time.constant(self.values[usize::from(piece != 1)])
+    }
+
+    fn size(&self) -> f64 {
+        self.values[0].max(self.values[1])
+    }
+
+    fn timescale(&self, _: usize) -> f64 {
+        f64::INFINITY
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        [self.begin, self.begin + 0.5 * self.period].into_iter()
+    }
+
+    fn period(&self) -> Option<f64> {
+        Some(self.period)
+    }
+}
+
+/// Work and heat over a period do not depend on where it begins, not even if a factor or a load
+/// jumps there.
+#[test]
+fn jumps_at_the_start_of_a_period_count() {
+    const PERIOD: f64 = 5.0;
+    const RATE: f64 = TAU / PERIOD;
+    let drive = |values, begin| {
+        Drive::function(Square {
+            values,
+            period: PERIOD,
+            begin,
+        })
+    };
+    let energy = |which: usize, begin: f64| {
+        let force = Drive::harmonic(0.9, RATE, 2.3 - RATE * begin)?.with_constant(0.3)?;
+        let system = Structure::new(&[1.0, 1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.2)?
+            .with_ground_spring(1, 1.0)?
+            .with_ground_damper(1, 0.2)?
+            .with_force(0, force)?;
+        let law = Coulomb::new(0.5, 0.3)?;
+        let system = match which {
+            0 => {
+                let element = ForceElement::new(0, PolynomialSpring::new(&[1.0])?)?;
+                system.with_element(element.with_factor(drive([0.2, 0.6], begin)?)?)?
+            }
+            1 => {
+                let contact = Contact::new(0, law, drive([1.0, 0.3], begin)?)?;
+                system.with_contact(contact.with_normal_spring(&[(1, 1.0)], 2.0)?)?
+            }
+            _ => {
+                let contact = Contact::new(0, Coulomb::new(0.5, 0.5)?, drive([1.0, 0.3], begin)?)?;
+                system.with_contact(contact.with_tangential_stiffness(4.0)?)?
+            }
+        };
+        let orbit = settle(&system, &State::at_rest(2), 300.0, Period::Driven(1))?;
+        Ok::<_, Error>(orbit.energy().clone())
+    };
+    for which in 0..3 {
+        let [seam, inside] = [0.0, 0.7].map(|begin| energy(which, begin).unwrap());
+        for energy in [&seam, &inside] {
+            assert!(energy.stored.abs() < 1e-13, "{which}: {energy:?}");
+            assert!(energy.defect().abs() < 1e-13, "{which}: {energy:?}");
+        }
+        let all = |energy: &EnergyBudget| {
+            let alone = [energy.damper_loss, energy.force_work[0]];
+            let parts = [
+                &energy.friction_loss,
+                &energy.normal_work,
+                &energy.element_work,
+            ];
+            alone
+                .into_iter()
+                .chain(parts.into_iter().flatten().copied())
+                .collect::<Vec<f64>>()
+        };
+        for (found, expected) in std::iter::zip(all(&seam), all(&inside)) {
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "{which}: {found} {expected}"
+            );
+        }
+    }
 }
