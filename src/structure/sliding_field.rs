@@ -143,6 +143,23 @@ impl SlidingField<'_, '_> {
         }
     }
 
+    /// The places in a state of the memory variables and first-order states that influence small
+    /// motions.
+    pub(crate) fn acting(&self) -> Vec<usize> {
+        let mut places = Vec::new();
+        for (number, slides) in self.contacts.iter().enumerate() {
+            let first = 2 * self.model.len() + self.model.memory(number).start;
+            if let Some(Slides { sliding, .. }) = slides {
+                let acts = (0..sliding.memory.len()).filter(|&j| !sliding.is_idle(j));
+                places.extend(acts.map(|j| first + j));
+            }
+        }
+        let states = std::iter::zip(&self.model.first_order, self.model.len()..);
+        let acts = states.filter(|(state, _)| state.acts);
+        places.extend(acts.map(|(_, place)| self.model.position_row(place)));
+        places
+    }
+
     /// ∂F/∂x. A memory variable that neither changes in slip nor influences anything decays by
     /// itself.
     pub(crate) fn jacobian(&self) -> DMatrix<f64> {

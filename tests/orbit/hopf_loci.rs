@@ -6,7 +6,8 @@ use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{LocusEnd, SpecialKind};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Drive, Error, Exponential, ForceLaw, LuGre, MassOnBelt, Scalar, Structure,
+    Contact, Coulomb, Drive, Dwell, Error, Exponential, FirstOrder, ForceLaw, LuGre, MassOnBelt,
+    Scalar, Structure,
 };
 
 use crate::common::{Random, count, exactly, list, number, one_mass, text};
@@ -282,4 +283,52 @@ fn a_load_law_decides_the_criticality() {
         rising += u32::from(lyapunov > 0.0);
     }
     assert!(falling > 1 && rising > 1, "{falling} {rising}");
+}
+
+/// Memory without influence has no part in the other eigenvalues, as in those of steady sliding.
+#[test]
+fn the_largest_other_eigenvalue_is_that_of_steady_sliding() {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let mass = |damping: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 2.0 * damping)
+    };
+    let clock = |belt: f64, damping: f64| {
+        let law = Dwell::hyperbolic(law, 0.5, 1.0)?;
+        mass(damping)?.with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))
+    };
+    // The force of an elastic contact, which slip keeps at its limit.
+    let elastic = |belt: f64, damping: f64| {
+        let joint = Contact::new(0, Coulomb::new(0.1, 0.1)?, 1.0)?.on_belt(belt);
+        mass(damping)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))?
+            .with_contact(joint.with_tangential_stiffness(4.0)?)
+    };
+    // A state that carries a force.
+    let lag = |belt: f64, damping: f64| {
+        let lag = FirstOrder::lag(5.0)?.with_displacement(0, 1.0)?;
+        mass(damping)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))?
+            .with_first_order(lag.with_force(0, 0.01)?)
+    };
+    let families: [&dyn Fn(f64, f64) -> Result<Structure, Error>; 3] = [&clock, &elastic, &lag];
+    for (number, family) in families.into_iter().enumerate() {
+        let loci = hopf_locus(family, [0.05..1.1, 0.005..0.2]).unwrap();
+        let [locus] = exactly(&loci);
+        for point in &locus.points {
+            let [belt, damping] = point.parameters;
+            let sliding = family(belt, damping).unwrap().steady_sliding().unwrap();
+            let others = sliding.eigenvalues.iter().filter(|value| value.im == 0.0);
+            let largest = others
+                .map(|value| value.re)
+                .fold(f64::NEG_INFINITY, f64::max);
+            let found = point.largest_other;
+            assert!(
+                found == largest || (found - largest).abs() < 1e-10,
+                "{number}: {found} {largest}"
+            );
+            assert_eq!(found == f64::NEG_INFINITY, number < 2, "{number}: {found}");
+        }
+    }
 }

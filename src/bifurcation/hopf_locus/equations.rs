@@ -308,8 +308,13 @@ impl Equations for HopfPoints<'_> {
         if frequency <= 0.0 || frequency.is_nan() {
             return Err(self.none(parameters));
         }
-        let lyapunov = self.field(parameters, |field| value.first_lyapunov(field, frequency))?;
-        let values = eigenvalues(value.matrix.clone());
+        let (lyapunov, places) = self.field(parameters, |field| {
+            let places = (0..2 * field.displacements.len()).chain(field.acting());
+            let lyapunov = value.first_lyapunov(field, frequency);
+            (lyapunov, places.collect::<Vec<usize>>())
+        })?;
+        let acting = value.matrix.select_rows(&places).select_columns(&places);
+        let values = eigenvalues(acting);
         let mut others = values.ok_or_else(|| self.none(parameters))?;
         others.retain(|value| value.im >= 0.0);
         let own = |value: &Complex<f64>| (value - I * frequency).norm();

@@ -73,27 +73,17 @@ impl SlidingField<'_, '_> {
         let mut rows = elastic_rows(model);
         rows.extend(sticking.iter().map(|&c| direction_row(model, c)));
         let displaced = null_space(model, &rows);
-        let mut active = Vec::new();
-        let mut idle = 0;
+        let active = self.acting();
+        let mut remembered = model.first_order.len();
         rows.extend(rate_rows(model));
         for (c, slides) in self.contacts.iter().enumerate() {
             let Some(Slides { sliding, .. }) = slides else {
                 continue;
             };
-            let first = 2 * n + model.memory(c).start;
-            let (acts, none) = (0..sliding.memory.len()).partition(|&j| !sliding.is_idle(j));
-            let (acts, none): (Vec<usize>, Vec<usize>) = (acts, none);
-            idle += none.len() + usize::from(model.contacts[c].is_elastic());
-            if sliding.slope != 0.0 || !acts.is_empty() {
+            remembered += model.memory(c).len();
+            let acts = (0..sliding.memory.len()).any(|j| !sliding.is_idle(j));
+            if sliding.slope != 0.0 || acts {
                 rows.push(direction_row(model, c));
-            }
-            active.extend(acts.into_iter().map(|j| first + j));
-        }
-        for (state, place) in std::iter::zip(&model.first_order, n..) {
-            if state.acts {
-                active.push(model.position_row(place));
-            } else {
-                idle += 1;
             }
         }
         let moved = null_space(model, &rows);
@@ -138,7 +128,7 @@ impl SlidingField<'_, '_> {
             }
             Spectrum::of(reduced)?
         };
-        Some((spectrum, idle))
+        Some((spectrum, remembered - active.len()))
     }
 
     /// P in units of one energy.
