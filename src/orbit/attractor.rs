@@ -224,7 +224,7 @@ pub(super) fn settled<S: Oscillator>(
             Some(period) => still(form, seen.displacement(), period),
         };
         let rests = seen.velocities().all(|range| speed(form, range) <= slow) && seen.states_rest();
-        let is_long_enough = period.is_none() || fastest == 0.0 || seen.strobes.len() > 1;
+        let is_long_enough = period.is_none() || seen.strobes.len() > 1;
         if rests && seen.events.is_empty() && is_long_enough {
             return Ok((at_rest(&seen.modes), last));
         }

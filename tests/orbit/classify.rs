@@ -411,3 +411,18 @@ fn rest_beside_a_free_inertia_and_with_a_clock() {
         }
     }
 }
+
+/// A mass that a slow force moves in every period is not at rest, although fast ripples of the
+/// force let 256 steps pass before it slips for the first time.
+#[test]
+fn a_mass_does_not_rest_before_a_whole_period_of_rest() {
+    let force = Drive::harmonic(-1.5, 1.0, 0.0).unwrap();
+    let force = force.with_constant(0.7).unwrap();
+    let force = force.with_sine(1e-3, 900.0).unwrap();
+    let contact = Contact::new(0, Coulomb::new(1.0, 0.8).unwrap(), 1.0).unwrap();
+    let system = oscillator([1.0, 0.2, 1.0], force).unwrap();
+    let system = system.with_contact(contact).unwrap();
+    let found = classify(&system, &State::at_rest(1)).unwrap();
+    assert_eq!(found.kind(), AttractorKind::PureSlip);
+    assert!(found.orbit().unwrap().amplitude(0) > 1.0);
+}
