@@ -13,13 +13,16 @@
 //! | stick | r | v = w, and what the law makes of its memory |
 //! | crossing | r | nothing changes |
 //! | release | σR − N μ_s | what the law makes of its memory |
-//! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
+//! | a load that opens or closes | N | nothing changes; rest ends with the load |
+//! | a drive that jumps | a time | δt = 0; rest ends with the load |
 //! | a stop whose force jumps | δ | nothing changes |
 //!
 //! At an event the field f jumps only in v' and z' of the contacts of this event. All other
-//! perturbations are continuous. Contacts that share coordinates are coupled: the event of one
-//! changes v' of all these coordinates, and perhaps the modes of the others, at the time at which
-//! that contact reached its limit. v' just after the event is that of the next step.
+//! perturbations are continuous. v' jumps with a load that ends, too, if stick had no limit: a
+//! contact that slips in one direction only carries any force until then. Contacts that share
+//! coordinates are coupled: the event of one changes v' of all these coordinates, and perhaps the
+//! modes of the others, at the time at which that contact reached its limit. v' just after the
+//! event is that of the next step.
 //!
 //! If several contacts reach their limits at one instant, each has its own δt, computed from δx₋
 //! and f₋ before all of these events. This is the derivative if no event changes ∇h·δx or ∇h·f of
@@ -109,7 +112,8 @@ impl LawAt<'_> {
     }
 
     /// The jump −f₊ + Dg f₋ + ∂g/∂t of v' by the event of a contact in a mode that reached its
-    /// limit, for the load divided by the mass; 0 if it sticks, as δv is then projected out.
+    /// limit, for the load divided by the mass; 0 if it sticks, as δv is then projected out, and
+    /// without a load.
     fn jump(self, mode: Mode, kind: EventKind, load: f64, memory: &[f64]) -> f64 {
         match kind {
             EventKind::Open | EventKind::Close | EventKind::Stick => 0.0,
@@ -350,10 +354,9 @@ impl TangentFlow<'_> {
         };
         let reached = (0..n).filter(|&i| jump.coordinates[i]);
         let free = reached.filter(|&i| !model.owner[i].is_some_and(has_own_event));
-        let changes = free.filter_map(|i| {
-            let before = step.series()[i].derivative().at(step.duration());
-            let change = before - step.after().rates.get(i)?;
-            Some((n + i, self.row(n + i) + &jump.later * change))
+        let changes = free.map(|i| {
+            let change = lost_acceleration(step, i);
+            (n + i, self.row(n + i) + &jump.later * change)
         });
         changes.collect()
     }
@@ -369,7 +372,10 @@ impl TangentFlow<'_> {
         let at = self.instant(step, (contact, owned));
         let velocity = self.form.len() + at.coordinate;
         let never = self.row(velocity) * 0.0;
-        let jump = law.jump(step.modes()[contact], kind, at.load, &at.memory);
+        let jump = match (kind, step.modes()[contact]) {
+            (EventKind::Open, Mode::Stick) => lost_acceleration(step, owned),
+            (_, mode) => law.jump(mode, kind, at.load, &at.memory),
+        };
         let later = match kind {
             EventKind::Open | EventKind::Close => self.load_later(step, contact),
             EventKind::Stick | EventKind::Crossing(_) => self.row(velocity) * -at.rate.recip(),
@@ -452,8 +458,9 @@ impl TangentFlow<'_> {
     }
 
     /// The rows that change at events of contacts that share coordinates. Connected contacts have
-    /// their events at the time of the first contact of them that reaches a limit. If several reach
-    /// their limits at this instant, each has its own time, and the others follow the first.
+    /// their events at the time of the first contact of them that reaches a limit, or opens in
+    /// stick. If several do so at this instant, each has its own time, and the others follow the
+    /// first.
     fn changed_together(
         &self,
         step: &Step,
@@ -470,7 +477,15 @@ impl TangentFlow<'_> {
                 contacts,
             }
         });
-        let delays: Vec<Delay> = delays.collect();
+        let opening = events.iter().filter(|(contact, event)| {
+            event.kind == EventKind::Open && step.modes()[*contact] == Mode::Stick
+        });
+        let openings = opening.map(|&(contact, _)| Delay {
+            later: self.load_later(step, contact),
+            coordinates: model.connected(contact),
+            contacts: vec![contact],
+        });
+        let delays: Vec<Delay> = delays.chain(openings).collect();
         let never = self.row(0) * 0.0;
         let first_on = |i: usize| match &delays[..] {
             [] => None,
@@ -480,9 +495,8 @@ impl TangentFlow<'_> {
                 .find(|delay| delay.coordinates.get(i) == Some(&true)),
         };
         let mut changes = Vec::new();
-        let slopes = |i: usize| step.series()[i].derivative().at(step.duration());
-        for (i, after) in step.after().rates.iter().enumerate() {
-            let jump = slopes(i) - after;
+        for i in 0..n {
+            let jump = lost_acceleration(step, i);
             let owner = model.owner.get(i).copied().flatten();
             if owner.is_none() && jump != 0.0 {
                 let later = first_on(i).map_or(&never, |delay| &delay.later);
@@ -671,6 +685,14 @@ impl TangentFlow<'_> {
             memory: state.memory[model.memory(number)].to_vec(),
         }
     }
+}
+
+/// v' of a coordinate just before the events at the end of a step, minus v' just after; 0 after an
+/// event that does not keep v'.
+fn lost_acceleration(step: &Step, i: usize) -> f64 {
+    let before = step.series()[i].derivative().at(step.duration());
+    let after = step.after().rates.get(i);
+    after.map_or(0.0, |after| before - after)
 }
 
 /// The slopes of a map by differences of fourth order; exact for a linear map.

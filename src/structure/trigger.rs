@@ -8,7 +8,8 @@ use crate::state::Direction;
 pub(crate) struct EventData {
     /// Contacts with a coordinate to themselves, released by a jump of a drive.
     pub(crate) forced: Vec<usize>,
-    /// v' just after, if a contact that shares coordinates has an event, or a stop with a damper.
+    /// v' just after, if a contact that shares coordinates or slips in one direction only has an
+    /// event, or a stop with a damper.
     pub(crate) rates: Vec<f64>,
     /// The conditions that determine the times of events of contacts that share coordinates; none
     /// at a jump of a drive.

@@ -7,7 +7,7 @@ use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::{State, Step};
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
-    LuGre, Mode, Polynomial, Rational, Segment, Structure, Tabulated,
+    Freewheel, LuGre, Mode, Polynomial, PolynomialSpring, Rational, Segment, Structure, Tabulated,
 };
 
 use crate::common::forces;
@@ -485,6 +485,48 @@ fn a_contact_that_a_jump_of_the_load_closes_has_the_derivative_of_the_closed_for
         // Some rounding errors of entries of size 2.
         let error = (found - &expected).amax();
         assert!(error < 1e-14, "{load}: {error:e}");
+    }
+}
+
+/// A contact that slips in one direction only holds any force in stick until its load is gone: then
+/// the velocity behind it begins to change, at a time that depends on the state.
+#[test]
+fn a_jammed_contact_that_opens_has_the_derivative_of_motions_beside() {
+    let system = |pressed_by_law: bool, inertia: f64| {
+        let load = if pressed_by_law { 0.5 } else { 1.0 };
+        let contact = Contact::new(0, Freewheel::new(Coulomb::new(0.2, 0.2)?)?, load)?;
+        let contact = if pressed_by_law {
+            contact.with_load_law(&[(1, 1.0)], PolynomialSpring::new(&[1.0])?)?
+        } else {
+            contact.with_normal_spring(&[(1, 1.0)], 2.0)?
+        };
+        let masses = DMatrix::from_row_slice(2, 2, &[1.0, inertia, inertia, 1.0]);
+        Structure::with_mass_matrix(masses)?
+            .with_ground_spring(0, 4.0)?
+            .with_ground_spring(1, 1.5)?
+            .with_force(0, 0.8)?
+            .with_contact(contact)
+    };
+    for (pressed_by_law, inertia) in [(false, 0.0), (false, 0.1), (true, 0.0), (true, 0.1)] {
+        let system: Result<Structure, Error> = system(pressed_by_law, inertia);
+        let system = system.unwrap();
+        let start = [0.1, 0.2, 0.0, -1.0];
+        let state = |x: &[f64]| State::new(&x[..2], &x[2..]);
+        let (steps, found) = monodromy(&system, &state(&start), 1.2).unwrap();
+        assert_eq!(steps[0].modes(), [Mode::Stick]);
+        assert_eq!(sequence(&steps), [(0, EventKind::Open)]);
+        // The velocity of the jammed mass cannot vary.
+        for j in [0, 1, 3] {
+            let end = |change: f64| {
+                let mut start = start;
+                start[j] += change;
+                vector(&system.simulate(state(&start), 1.2).unwrap().last())
+            };
+            let difference = |width: f64| (end(width) - end(-width)) / (2.0 * width);
+            let expected = (difference(1e-3) * 4.0 - difference(2e-3)) / 3.0;
+            let error = (found.column(j) - expected).amax();
+            assert!(error < 1e-9, "{pressed_by_law} {inertia} {j}: {error:e}");
+        }
     }
 }
 

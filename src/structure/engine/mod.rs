@@ -428,7 +428,9 @@ impl<'s> Engine<'s> {
         });
         let mut elements = events.iter().map(|event| event.element);
         let may_jump = |element: Element| match element {
-            Element::Contact(contact) => self.model.is_shared(contact),
+            Element::Contact(contact) => {
+                self.model.is_shared(contact) || self.model.contacts[contact].is_one_way()
+            }
             Element::Stop(stop) => {
                 let law = self.model.stops()[stop].stop;
                 law.is_some_and(|law| law.damping != 0.0)
