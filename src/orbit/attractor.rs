@@ -335,7 +335,7 @@ fn speed(form: &GeneralForm<'_>, (least, largest): (f64, f64)) -> f64 {
 }
 
 /// The largest velocity of a surface.
-fn fastest_surface(form: &GeneralForm<'_>) -> f64 {
+pub(super) fn fastest_surface(form: &GeneralForm<'_>) -> f64 {
     let contacts = form.model.contacts.iter();
     let surfaces = contacts.map(|contact| contact.belt_velocity.size());
     surfaces.fold(0.0, f64::max)

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::attractor::fastest_surface;
 use super::form::GeneralForm;
 use super::oscillator::Oscillator;
 use super::tangent::{TangentFlow, flow_of};
@@ -30,6 +31,11 @@ const PARTS: usize = 16;
 /// The rest of a perturbation after the part along the motion is removed is rounding if it is below
 /// this part of the perturbation.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// A motion rests, and a shift along it grows or decays like any perturbation, while no velocity
+/// is above this part of the largest so far. If the motion goes on, nothing is lost: the part along
+/// it is removed later.
+const AT_REST: f64 = 1e-8;
 
 /// Growth of a perturbation over a part of the duration.
 #[derive(Debug, Clone, Copy, Default)]
@@ -75,7 +81,9 @@ pub fn lyapunov<S: Oscillator>(
 /// A positive exponent means chaos. For a stable periodic motion the exponent is ln|μ|/T, with the
 /// period T and the multiplier μ of largest modulus. Two kinds of perturbations neither grow nor
 /// decay, and are left out: a shift along the orbit of an autonomous motion, and a
-/// [translation](super#motions-that-are-translated). The exponent is −∞ if all other perturbations
+/// [translation](super#motions-that-are-translated). If the motion settles to rest or steady
+/// sliding, a shift along it decays, too, and the exponent is the largest real part of the
+/// eigenvalues there. The exponent is −∞ if all other perturbations
 /// become exactly zero after a finite time. (The stick phases of one mass on a belt have this
 /// effect; μ is then 0.) It is 0 if all masses stick for ever to surfaces at rest, because a
 /// perturbation of a displacement then remains. The perturbation δx is a solution of the
@@ -208,6 +216,8 @@ fn growths(
         duration,
         since: 0.0,
     };
+    let largest = |velocities: &[f64]| velocities.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let mut fastest = fastest_surface(form);
     while let Some(step) = flow.fetch(f64::INFINITY) {
         let step = step?;
         let begins = step.start_time();
@@ -217,7 +227,9 @@ fn growths(
         }
         let mut along = flow_of(&step, n);
         form.untranslated(along.as_mut_slice());
-        let along = is_free.then_some(along.as_slice());
+        fastest = fastest.max(largest(&step.state().velocities));
+        let moves = largest(&along.as_slice()[..n]) > AT_REST * fastest;
+        let along = (is_free && moves).then_some(along.as_slice());
         let alive = parts.add(begins, normalise(form, &mut flow, along, &step)?);
         if !alive {
             return Ok(GrowthParts::gone(duration));
@@ -300,12 +312,10 @@ fn normalise(
     form.untranslated(change);
     if let Some(along) = along {
         let length = norm(along);
-        if length > 0.0 {
-            let products = std::iter::zip(along, &*change);
-            let part: f64 = products.map(|(f, x)| f / length * x).sum();
-            for (f, x) in along.iter().zip(&mut *change) {
-                *x -= part * (f / length);
-            }
+        let products = std::iter::zip(along, &*change);
+        let part: f64 = products.map(|(f, x)| f / length * x).sum();
+        for (f, x) in along.iter().zip(&mut *change) {
+            *x -= part * (f / length);
         }
     }
     let left = norm(change);

@@ -118,6 +118,22 @@ fn exponents_of_a_belt() {
     assert!(found.spread < 1e-3);
 }
 
+/// Where a motion has settled, what is left of it is rounding, and a shift along it decays like any
+/// perturbation: the exponent is the largest real part −β or −β + √(β² − 1).
+#[test]
+fn exponents_of_motions_that_settle_are_those_of_the_eigenvalues() {
+    for (damping, expected) in [(0.05, -0.05), (0.2, -0.2), (0.4, -0.4), (1.25, -0.5)] {
+        let system = on_belt(Coulomb::new(0.3, 0.3).unwrap(), 1.0, damping, 1.0);
+        let found = lyapunov_with_spread(&system, &(0.5, 0.1).into(), 500.0, 1000.0).unwrap();
+        println!("{damping}: {found:?}");
+        assert!(
+            (found.value - expected).abs() < 1e-3,
+            "{damping}: {found:?}"
+        );
+        assert!(found.spread < 1e-3, "{damping}: {found:?}");
+    }
+}
+
 /// A duration may be shorter than a step, and begin inside one: the mean of the exponents of
 /// neighbouring durations is that of the whole.
 #[test]
