@@ -96,7 +96,7 @@ pub(in crate::orbit) fn held_period_map(
     let Some(last) = steps.last() else {
         return Err(Error::InvalidDuration { value: duration });
     };
-    let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
+    let (end, last_flow) = (limited_end(form, last), flow_at_end(last, n));
     let (head, cut_flow) = head;
     let tail = along.end(flow.tangents.clone());
     let mut monodromy = head.then(&tail).with_flow(&last_flow);
@@ -264,6 +264,18 @@ fn forgetting(form: &GeneralForm<'_>, modes: &[Mode]) -> usize {
 fn dead_rows(matrix: &DMatrix<f64>) -> Vec<bool> {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().all(|x| *x == 0.0)).collect()
+}
+
+/// The state after the events at the end of a step: an elastic contact whose load falls by a jump
+/// carries no more than its new limit.
+fn limited_end(form: &GeneralForm<'_>, step: &Step) -> State {
+    let mut end = step.end_state();
+    let time = step.end_time();
+    for &(c, side) in &step.after().limited {
+        let limit = form.model.contacts[c].limit_at(time, |j| end.displacements[j]);
+        end.memory[form.model.memory(c).start] = side.sign() * limit;
+    }
+    end
 }
 
 /// The rates of change of all numbers at the end of a step.
