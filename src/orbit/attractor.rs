@@ -158,8 +158,11 @@ fn looks(most: usize) -> u32 {
             .unwrap_or(0)
 }
 
-/// The part of the bound that the searches of all tests may take; the motion itself takes 0.13.
-const OF_SEARCHES: f64 = 0.8;
+/// A search may take as many steps as so many motions over the period, or this number if that is
+/// more: six to eight motions are usual, thirty near a continuum. The period is at most half of the
+/// motion since the last test, so that all searches take less than six times its steps.
+const MOTIONS: f64 = 12.0;
+const FEW_STEPS: usize = 1024;
 
 /// Largest number of returns after which a motion may repeat itself, and the least number of
 /// returns needed to judge that.
@@ -202,10 +205,12 @@ pub(super) fn settled<S: Oscillator>(
     let mut fastest = fastest_surface(form);
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
-    let mut left = (OF_SEARCHES * form.most() as f64) as usize;
+    let mut end = 0.0;
     for look in 0..looks(form.most()) {
+        let begin = end;
         let mut seen = Recurrence::new(form, turning);
-        for _ in 0..FIRST_STEPS << look {
+        let steps = FIRST_STEPS << look;
+        for _ in 0..steps {
             let Some(step) = flow.next().transpose()? else {
                 break;
             };
@@ -213,6 +218,7 @@ pub(super) fn settled<S: Oscillator>(
             if step.duration().is_infinite() {
                 return Ok((at_rest(step.modes()), form.put_back(step.state(), start)));
             }
+            end = step.end_time();
             seen.add((form, start), &step, period, &mut number);
         }
         fastest = seen.velocities().map(size).fold(fastest, f64::max);
@@ -238,12 +244,11 @@ pub(super) fn settled<S: Oscillator>(
             let (time, guess) = &returns[returns.len() - 1 - count];
             let estimate = returns[returns.len() - 1].0 - time;
             let period = kind.map_or(Period::Driven(count), |()| Period::Free(estimate));
-            let before = form.taken();
-            let found = form.within_steps(left / 2, || {
+            let most = MOTIONS * steps as f64 * (estimate / (end - begin));
+            let found = form.within_steps((most as usize).max(FEW_STEPS), || {
                 let found = shoot::search(form, guess, period)?;
                 Ok::<_, Error>(over_own_period(form, found, period))
             });
-            left = left.saturating_sub(form.taken() - before);
             if let Ok((found, period)) = found
                 && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
             {
