@@ -1148,8 +1148,8 @@ impl StickSlip {
             .ok_or_else(|| PyValueError::new_err("the belt is at rest"))
     }
 
-    /// The drop of friction from rest to the speed of the belt, less the force of the damper at that
-    /// speed, divided by the belt velocity.
+    /// The drop of friction from rest to the speed of the belt, less the force of the damper at
+    /// that speed, divided by the belt velocity.
     #[getter]
     fn kappa(&self) -> f64 {
         self.0.kappa()

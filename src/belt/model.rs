@@ -202,19 +202,9 @@ impl<'s> Belt<'s> {
     }
 
     /// The outcome when slip in a direction reaches the belt's velocity at displacement u.
-    ///
-    /// Slip that nothing brakes ends at the end of the band at which the mass sticks, except for the
-    /// rounding errors of its steps.
     pub(crate) fn landing(&self, displacement: f64, from: Direction) -> Landing {
-        /// These errors, in parts of ε.
-        const ROUNDING: f64 = 16.0;
-        let [low, high] = self.stick_limits();
-        let v_b = self.parameters.belt_velocity;
-        let closed = if v_b < 0.0 { high } else { low };
-        let rounding = ROUNDING * f64::EPSILON * displacement.hypot(v_b);
         match self.slides_at(displacement) {
             None => Landing::Stick,
-            _ if v_b != 0.0 && (displacement - closed).abs() <= rounding => Landing::Stick,
             Some(side) if side == from => Landing::Touch,
             Some(side) => Landing::Crossing(side),
         }

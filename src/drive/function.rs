@@ -112,8 +112,8 @@ pub trait TimeFunction: Sized {
 
     /// Times at which pieces of the function meet: finitely many, ascending. With a
     /// [period](Self::period) T they must lie in 0 ≤ t < T, and repeat. The function may also jump
-    /// or have a kink at the start of each period, even if 0 is not among them; `piece` still counts
-    /// only the times given here.
+    /// or have a kink at the start of each period, even if 0 is not among them; `piece` still
+    /// counts only the times given here.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }

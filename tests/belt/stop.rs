@@ -15,8 +15,8 @@ const START: State = State::new(0.0, 0.0);
 /// A condition on the state.
 type Condition = fn(&State) -> f64;
 
-/// What is 0 at an event is 0 in its state, not in the rounded series before it; and the mode at the
-/// end is that after the event.
+/// What is 0 at an event is 0 in its state, not in the rounded series before it; and the mode at
+/// the end is that after the event.
 #[test]
 fn a_condition_that_is_met_at_an_event_is_met_there() {
     let mut random = Random::new(91);

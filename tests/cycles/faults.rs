@@ -27,27 +27,6 @@ fn no_grazing_velocity_is_made_by_rounding() {
     search(Exponential::new(0.4, 0.25, 0.5).unwrap());
 }
 
-/// Neither friction nor a damper brakes the slip, which ends at the end of the band at which a mass
-/// sticks.
-#[test]
-fn slip_without_loss_ends_in_stick() {
-    let mut random = Random::new(92);
-    for _ in 0..400 {
-        let [mu_s, v_b] = [(); 2].map(|()| random.logarithmic(0.01, 1.0));
-        for kinetic in [0.0, 1e-18] {
-            let system = MassOnBelt::new(Coulomb::new(mu_s, kinetic).unwrap(), v_b).unwrap();
-            let formula = analysis::coulomb::stick_slip(&system).unwrap();
-            let found = limit_cycle::stick_slip(&system).unwrap();
-            let period = found.map(|cycle| cycle.period());
-            let off = period.map(|period| (period / formula.period() - 1.0).abs());
-            assert!(off.is_some_and(|off| off < 1e-13), "{mu_s} {v_b}: {off:?}");
-            let start = State::new(0.0, v_b);
-            let attractor = limit_cycle::attractor(&system, start).unwrap();
-            assert!(matches!(attractor, Attractor::Cycle(_)), "{attractor}");
-        }
-    }
-}
-
 /// A belt at rest, and no friction up to the speed 1/2: motions go on up to this amplitude.
 #[test]
 fn friction_that_begins_at_a_speed_leaves_a_family_on_a_belt_at_rest() {

@@ -13,8 +13,8 @@ use crate::common::{Random, count, even, forces, keys, list, text};
 use crate::naive::relax;
 use crate::reading::{cases, numbers, structure};
 
-/// A mass on a breakpoint of its spring is pulled off to either side: two pads of half the load move
-/// as one of the whole.
+/// A mass on a breakpoint of its spring is pulled off to either side: several pads that share the
+/// load move as one.
 #[test]
 fn pads_released_on_a_breakpoint_move_as_one() {
     let spring = [(-1.0, -1.0), (0.0, 0.0), (1.0, 4.0)];
