@@ -184,9 +184,9 @@ impl Integrator {
     /// `stop` is called with each step, in order. It returns the time at which the motion shall
     /// end, between the start and the end time of this step, or `None` to continue. (A finite time
     /// outside the step is replaced by the nearer end of the step.) A motion that is stopped at the
-    /// end of a step keeps the events at this end. To stop at a condition on the state, return the
-    /// result of [`Segment::first_zero`]. To stop after a number of events or steps, count them in
-    /// `stop`:
+    /// end of a step keeps the events at this end, and its last modes are those after them. To stop
+    /// at a condition on the state, return the result of [`Segment::first_zero`]. To stop after a
+    /// number of events or steps, count them in `stop`:
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, MassOnBelt, Polynomial, Segment, State};
