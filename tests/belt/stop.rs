@@ -26,16 +26,15 @@ fn a_condition_that_is_met_at_an_event_is_met_there() {
         let system = paper(v_b);
         let whole = system.simulate(START, 60.0).unwrap();
         let [stick, release] = [0, 1].map(|i| whole.events()[i]);
-        let cases: [(State, Event, &dyn Fn(&State) -> f64, Mode); 2] = [
-            (START, stick, &|state| state.velocity - v_b, Mode::Stick),
-            (
-                stick.state,
-                release,
-                &|state| state.displacement - release.state.displacement,
-                Mode::Slip(Direction::Lagging),
-            ),
+        let cases = [
+            (START, stick, Mode::Stick),
+            (stick.state, release, Mode::Slip(Direction::Lagging)),
         ];
-        for (start, event, condition, mode) in cases {
+        for (start, event, mode) in cases {
+            let condition = |state: &State| match mode {
+                Mode::Stick => state.velocity - v_b,
+                _ => state.displacement - event.state.displacement,
+            };
             let motion = Integrator::new()
                 .simulate_until(&system, start, 60.0, |step| step.first_zero(condition))
                 .unwrap();

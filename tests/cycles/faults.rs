@@ -7,7 +7,7 @@ use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Mode,
-    Polynomial, State, Stribeck, Tabulated, analysis, bifurcation,
+    Polynomial, State, Stribeck, Tabulated, bifurcation,
 };
 
 #[test]

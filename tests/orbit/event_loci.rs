@@ -113,7 +113,7 @@ fn grazing_beside_a_mass_that_creeps() {
             .with_ground_spring(1, 1.0)?
             .with_ground_damper(1, 0.1)?
             .with_force(1, Drive::harmonic(0.1, frequency, 0.0)?)?
-            .with_contact(Contact::new(1, creep.clone(), 1.0)?.on_belt(0.01))
+            .with_contact(Contact::new(1, creep, 1.0)?.on_belt(0.01))
     };
     let at = [0.6, 0.25];
     let system = family(at[0], at[1]).unwrap();
