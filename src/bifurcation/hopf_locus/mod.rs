@@ -42,7 +42,7 @@ pub struct HopfPoint {
     pub first_lyapunov_coefficient: f64,
     /// The largest real part of the other eigenvalues, per unit of time; −∞ if there are no others.
     /// Memory without influence has none, as in
-    /// [`SteadySliding::eigenvalues`](crate::SteadySliding::eigenvalues).
+    /// [`SteadySliding::eigenvalues`](crate::structure::SteadySliding::eigenvalues).
     /// If this number is positive, steady sliding is unstable on both sides of the curve.
     pub largest_other: f64,
     /// The rounding of the coefficient.
