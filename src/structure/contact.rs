@@ -465,7 +465,9 @@ impl Contact {
     pub(super) fn check(&self, number: usize, masses: &[f64]) -> Result<(), Error> {
         let element = Element::Contact(number);
         let direction = self.direction.iter().map(|&(j, _)| j);
-        let gradients = self.whole_gradient().into_iter().map(|(j, _)| j);
+        // Both parts of the gradient: they may cancel.
+        let normal = self.normal_spring.iter().flat_map(|(normal, _)| normal);
+        let gradients = self.load_gradient.iter().chain(normal).map(|&(j, _)| j);
         let laws = self.load_laws.iter().flat_map(ForceElement::directions);
         let laws = laws.flatten().map(|&(j, _)| j);
         let coordinates = std::iter::once(self.coordinate)

@@ -516,8 +516,12 @@ fn bad_elastic_contacts_are_refused() {
     assert_form(&still.steady_sliding().unwrap_err().to_string());
     // A coordinate that is not there.
     let spring = contact().with_normal_spring(&[(3, 1.0)], 1.0).unwrap();
-    let found = Structure::new(&[1.0]).unwrap().with_contact(spring);
-    refused!(found => Error::NoSuchCoordinate { coordinate: 3, .. });
+    // The parts of a gradient that is 0 there, too.
+    let cancelled = spring.clone().with_load_gradient(3, -1.0).unwrap();
+    for contact in [spring, cancelled] {
+        let found = Structure::new(&[1.0]).unwrap().with_contact(contact);
+        refused!(found => Error::NoSuchCoordinate { coordinate: 3, .. });
+    }
 }
 
 /// Nothing moves yet, and what will is 0 at first: a surface, a force, a load.
