@@ -61,10 +61,11 @@ pub fn velocity_step<const STATES: usize>(
         piece: 0,
     };
     let memory = law.states.map(|state| {
-        let left = (-slip / state.d_c).exp();
+        let decay = -slip / state.d_c;
+        let left = decay.exp();
         // ln(V₂θ/D_c), as a sum of positive terms.
         let distance = match law.evolution {
-            Evolution::Aging => (v2 / v1 * left - (-slip / state.d_c).exp_m1()).ln(),
+            Evolution::Aging => (v2 / v1 * left - decay.exp_m1()).ln(),
             Evolution::Slip => (v2 / v1).ln() * left,
         };
         law.memory_at(v2) + distance

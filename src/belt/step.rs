@@ -1,7 +1,7 @@
 use super::model::Belt;
 use crate::clock::Clock;
 use crate::error::{Element, Error};
-use crate::motion::sealed;
+use crate::motion::sealed::{self, Part as _};
 use crate::motion::{
     self, Ended, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory,
 };
@@ -344,14 +344,8 @@ impl Segment for Step {
     }
 
     fn until(self, time: f64) -> Self {
-        // At the time of an event nothing is left of the step after it.
-        let is_start = time == self.start.time;
         Self {
-            duration: if is_start {
-                0.0
-            } else {
-                self.since_start(time)
-            },
+            duration: self.before_end(time),
             event: None,
             ..self
         }

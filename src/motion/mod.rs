@@ -79,6 +79,18 @@ pub(crate) mod sealed {
         {
             self.state_at(self.since_start(time))
         }
+
+        /// The part of the step before a motion's end, as a duration: none at the time of the event
+        /// before it, from which `time` differs by its rounding.
+        fn before_end(&self, time: f64) -> f64
+        where
+            Self: Segment,
+        {
+            match time == self.start_time() {
+                true => 0.0,
+                false => self.since_start(time),
+            }
+        }
     }
 }
 

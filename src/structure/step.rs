@@ -282,13 +282,7 @@ impl Segment for Step {
     }
 
     fn until(self, time: f64) -> Self {
-        // At the time of an event nothing is left of the step after it.
-        let is_start = time == self.start.time;
-        let duration = if is_start {
-            0.0
-        } else {
-            self.since_start(time)
-        };
+        let duration = self.before_end(time);
         let state = self.state_since(duration, time);
         Self {
             end: Clock::at(time),

@@ -233,7 +233,6 @@ fn a_jump_is_reached_by_few_motions() {
     let of_a_motion = |point: &BranchPoint<State>| point.orbit.trajectory().steps().len();
     let longest = branch.points.iter().map(of_a_motion).max().unwrap();
     let motions = steps.get() / longest;
-    // 22 a point; 70 if the interval at the jump were halved to the end each time.
     assert!(
         motions < 40 * branch.points.len(),
         "{motions} for {}",

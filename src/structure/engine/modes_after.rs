@@ -17,7 +17,7 @@ use super::reconcile::hold_left_out;
 use super::series::Series;
 use super::shared_modes::Decision;
 use super::sizes::{load_terms, terms};
-use super::state::{ContactState, Disturbance, Entry, Phase, Situation};
+use super::state::{Closed, ContactState, Disturbance, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::series::PowerSeries;
@@ -32,9 +32,11 @@ pub(super) fn decide(
     disturbance: Disturbance,
 ) -> Result<(), Error> {
     // Contacts that begin to slip rest now, and not at the end of the next step.
-    let begins = |&c: &usize| situation.contacts[c].rests() && !situation.contacts[c].sticks();
-    let is_other = disturbance != Disturbance::None || model.shared.iter().any(begins);
-    let closed = situation.closed.take_if(|_| is_other);
+    let contacts = &situation.contacts;
+    let begins = |&c: &usize| contacts[c].rests() && !contacts[c].sticks();
+    let changes =
+        |_: &mut Closed| disturbance != Disturbance::None || model.shared.iter().any(begins);
+    let closed = situation.closed.take_if(changes);
     decide_modes(model, situation, series, disturbance)?;
     let left_out = closed.map_or_else(Vec::new, |closed| closed.left_out);
     if hold_left_out(model, situation, series, &left_out) {
