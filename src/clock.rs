@@ -28,6 +28,11 @@ impl Clock {
         Self { time, remainder }
     }
 
+    /// The sum of durations.
+    pub(crate) fn sum(durations: impl Iterator<Item = f64>) -> f64 {
+        durations.fold(Self::default(), Self::after).time
+    }
+
     /// The time that this clock shows if a unit of its time lasts 1/rate.
     pub(crate) fn at_rate(self, rate: f64) -> Self {
         Self {

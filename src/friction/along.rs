@@ -2,7 +2,7 @@
 //! within its radius of convergence, and is compared with the law at three points of its interval,
 //! so that no feature of the law is missed.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use super::{Values, finite_at, slope_on, taylor_coefficients_on};
 use crate::error::Error;
@@ -77,11 +77,10 @@ impl AlongSlope<'_> {
             let mut speeds = vec![stretch.start, stretch.start + stretch.length];
             // The places of the minima need not be exact, because h is flat there.
             let slope = stretch.series.derivative();
-            let _ = slope.sign_changes(stretch.length, &mut |t, rising| {
+            slope.sign_changes(stretch.length, &mut |t, rising| {
                 if rising {
                     speeds.push(stretch.start + t);
                 }
-                ControlFlow::Continue(())
             });
             for speed in speeds {
                 let slope = slope_on(self.law, stretch.piece, speed)?;
@@ -287,11 +286,10 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
             *length
         };
         self.add(*start, stretch.at(first) > 0.0, rounding);
-        let _ = series.sign_changes(*length, &mut |t, rising| {
+        series.sign_changes(*length, &mut |t, rising| {
             if first <= t && t <= last {
                 self.add(start + t, rising, rounding);
             }
-            ControlFlow::Continue(())
         });
     }
 

@@ -1,6 +1,6 @@
 //! Inspection of a law over a range of speeds: faults that make motions wrong or end them.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use super::along::{MOST_STRETCHES, Stretch};
 use super::fault::LawFault;
@@ -404,7 +404,7 @@ impl Inspection<'_> {
         } else if stretch.series[0] > rounding {
             self.positive_from(stretch.start);
         }
-        let _ = stretch
+        stretch
             .series
             .sign_changes(stretch.length, &mut |t, rising| {
                 if rising {
@@ -412,7 +412,6 @@ impl Inspection<'_> {
                 } else if stretch.series.at(t + 1e-3 * stretch.length) < -rounding {
                     self.negative_from.get_or_insert(stretch.start + t);
                 }
-                ControlFlow::Continue(())
             });
     }
 

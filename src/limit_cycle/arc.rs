@@ -385,7 +385,7 @@ impl PeakDetector {
         }
         let mut minimum = None;
         if h.is_finite() {
-            let _ = rate.sign_changes(h, &mut |t, rising| {
+            let _ = rate.search_sign_changes(h, &mut |t, rising| {
                 if rising && self.has_grown {
                     minimum = Some(t);
                     return ControlFlow::Break(());

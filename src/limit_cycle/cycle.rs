@@ -226,9 +226,7 @@ impl LimitCycle {
 
     fn time_in(&self, counts: impl Fn(Mode) -> bool) -> f64 {
         let steps = self.steps.iter().filter(|step| counts(step.mode()));
-        steps
-            .fold(Clock::default(), |clock, step| clock.after(step.duration))
-            .time
+        Clock::sum(steps.map(|step| step.duration))
     }
 
     pub(super) fn belt_velocity(&self) -> f64 {

@@ -1,14 +1,12 @@
 //! Extremes of a cycle, as roots of its power series; harmonics and energies, as integrals over
 //! these series.
 
-use std::ops::ControlFlow;
-
 use num_complex::Complex;
 
 use super::cycle::LimitCycle;
 use crate::belt::Step;
 use crate::motion::EnergyBudget;
-use crate::numerics::fourier::Fourier;
+use crate::numerics::fourier::{Fourier, differentiated};
 use crate::numerics::gauss::gauss_fours;
 use crate::numerics::power_of_two;
 use crate::series::PowerSeries;
@@ -78,11 +76,7 @@ impl LimitCycle {
     }
 
     fn differentiated_harmonics(&self, n: usize, times: i32) -> Vec<Complex<f64>> {
-        let mut harmonics = self.harmonics(n);
-        for (k, amplitude) in (1..).zip(&mut harmonics) {
-            *amplitude *= Complex::new(0.0, f64::from(k) * self.frequency()).powi(times);
-        }
-        harmonics
+        differentiated(self.harmonics(n), self.frequency(), times)
     }
 
     /// Root mean square of the velocity v over the period T, √((1/T)∮v² dτ), dimensionless: the
@@ -122,16 +116,8 @@ impl LimitCycle {
     pub fn peak_acceleration(&self) -> f64 {
         let mut peak = 0.0_f64;
         for step in &self.steps {
-            let acceleration = step.speed.derivative();
-            let mut include = |t: f64| peak = peak.max(acceleration.at(t).abs());
-            include(0.0);
-            include(step.duration);
-            let _ = acceleration
-                .derivative()
-                .sign_changes(step.duration, &mut |t, _| {
-                    include(t);
-                    ControlFlow::Continue(())
-                });
+            let (least, largest) = step.speed.derivative().extremes(step.duration);
+            peak = peak.max(-least).max(largest);
         }
         peak
     }
@@ -162,17 +148,11 @@ impl LimitCycle {
         let damper_loss = dissipation * self.integral_of_squared_velocity(unit);
         let in_full = |energy: f64| energy * unit * unit;
         EnergyBudget {
-            stored: 0.0,
-            force_work: 0.0,
-            normal_work: 0.0,
-            element_work: 0.0,
-            first_order_work: 0.0,
-            stop_loss: 0.0,
-            circulation: 0.0,
             drive_work: in_full(drive_work),
             belt_work: in_full(damper_loss),
             damper_loss: in_full(damper_loss),
             friction_loss: in_full(drive_work - damper_loss),
+            ..EnergyBudget::default()
         }
     }
 
@@ -201,9 +181,7 @@ impl LimitCycle {
         let over = |step: &Step| {
             let h = step.duration;
             let slipped = step.direction().map_or(0.0, |direction| {
-                // ∫∫s = h² Σ s_k h^k/((k + 1)(k + 2))
-                let twice = PowerSeries::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
-                direction.sign() * twice.at(h)
+                direction.sign() * step.speed.twice_integrated(h)
             });
             (step.state.displacement + (0.5 * step.belt_velocity + slipped) * h) / unit * h
         };
@@ -258,9 +236,8 @@ impl LimitCycle {
         for step in &self.steps {
             include(step.state());
             if step.direction().is_some() {
-                let _ = rate(step).sign_changes(step.duration, &mut |t, _| {
+                rate(step).sign_changes(step.duration, &mut |t, _| {
                     include(step.state_at(t));
-                    ControlFlow::Continue(())
                 });
             }
         }

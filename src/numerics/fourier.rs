@@ -83,6 +83,18 @@ impl Fourier {
     }
 }
 
+/// The complex amplitudes of a derivative: (ikω)^times those of the function, for k = 1, ….
+pub(crate) fn differentiated(
+    mut amplitudes: Vec<Complex<f64>>,
+    omega: f64,
+    times: i32,
+) -> Vec<Complex<f64>> {
+    for (k, amplitude) in (1..).zip(&mut amplitudes) {
+        *amplitude *= Complex::new(0.0, f64::from(k) * omega).powi(times);
+    }
+    amplitudes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

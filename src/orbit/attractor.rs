@@ -1,7 +1,6 @@
 //! The attractor that a motion reaches.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::ops::ControlFlow;
 
 use nalgebra::DVector;
 
@@ -500,13 +499,12 @@ impl Recurrence {
                 *number = n.saturating_add(1);
             }
         } else if let Some(velocity) = self.turning.series(step) {
-            let _ = velocity.sign_changes(step.duration(), &mut |t, rises| {
+            velocity.sign_changes(step.duration(), &mut |t, rises| {
                 if !rises {
                     self.turns.0 += 1;
                     let state = back(&step.state_at(t));
                     keep(&mut self.turns.1, step.start_time() + t, state);
                 }
-                ControlFlow::Continue(())
             });
         }
         for event in step.events() {

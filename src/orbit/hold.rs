@@ -244,15 +244,14 @@ impl<'s> HeldFlow<'s> {
             };
             let mut found = (falling < 0.0 && speeds[1] >= 0.0 && near(0.0)).then_some(0.0);
             if found.is_none() {
-                let _ = speeds
-                    .derivative()
-                    .sign_changes(step.duration(), &mut |t, rises| {
-                        if rises && near(t) {
-                            found = Some(t);
-                            return ControlFlow::Break(());
-                        }
-                        ControlFlow::Continue(())
-                    });
+                let slope = speeds.derivative();
+                let _ = slope.search_sign_changes(step.duration(), &mut |t, rises| {
+                    if rises && near(t) {
+                        found = Some(t);
+                        return ControlFlow::Break(());
+                    }
+                    ControlFlow::Continue(())
+                });
             }
             if let Some(t) = found {
                 let hold = self.note(place, step.start_time() + t, speeds.at(t));

@@ -1,8 +1,6 @@
 //! Measures of a periodic motion: extremes as roots of its power series, means as integrals over
 //! them.
 
-use std::ops::ControlFlow;
-
 use nalgebra::DVector;
 
 use super::form::GeneralForm;
@@ -62,7 +60,6 @@ impl Coordinate {
     fn of(steps: &[Step], coordinate: usize, (translation, period): (f64, f64)) -> Self {
         let mean_velocity = translation / period;
         let ranges = extremes(steps, coordinate, mean_velocity);
-        let largest = |(least, most): (f64, f64)| f64::max(-least, most);
         let series = |step: &Step| step.series().get(coordinate).copied();
         // In units of the largest value, so that squares do not overflow.
         let rms = |which: usize, value: fn(&PowerSeries, f64) -> f64| {
@@ -82,11 +79,9 @@ impl Coordinate {
         let unit = power_of_two(largest(ranges[0]).max(1.0));
         let integrals = steps.iter().filter_map(|step| {
             let (h, velocity) = (step.duration(), series(step)?);
-            // ∫∫v = h² Σ v_k h^k/((k + 1)(k + 2))
-            let twice = PowerSeries::from_fn(|k| velocity[k] / ((k + 1) * (k + 2)) as f64);
             let middle = step.start_time() + 0.5 * h;
             let start = step.state().displacements[coordinate] - mean_velocity * middle;
-            Some((start + twice.at(h) * h) / unit * h)
+            Some((start + velocity.twice_integrated(h) * h) / unit * h)
         });
         Self {
             mean: unit * (integrals.sum::<f64>() / period),
@@ -100,36 +95,25 @@ impl Coordinate {
 
 impl Contact {
     fn of(steps: &[Step], number: usize) -> Self {
-        let mut clock = Clock::default();
-        let mut max_sliding_speed = 0.0_f64;
-        for step in steps {
-            if step.modes()[number] == Mode::Stick {
-                clock = clock.after(step.duration());
-            }
-            if !matches!(step.modes()[number], Mode::Slip(_)) {
-                continue;
-            }
-            let Some(relative) = step.relative_velocity(number) else {
-                continue;
-            };
-            let mut meet = |t: f64| max_sliding_speed = max_sliding_speed.max(relative.at(t).abs());
-            meet(0.0);
-            meet(step.duration());
-            at_extremes(&relative.derivative(), step.duration(), &mut meet);
-        }
+        let mode = |step: &&Step| step.modes()[number];
+        let sticks = steps.iter().filter(|step| mode(step) == Mode::Stick);
+        let slips = steps
+            .iter()
+            .filter(|step| matches!(mode(step), Mode::Slip(_)));
+        let speeds = slips.filter_map(|step| {
+            let relative = step.relative_velocity(number)?;
+            Some(largest(relative.extremes(step.duration())))
+        });
         Self {
-            stick_duration: clock.time,
-            max_sliding_speed,
+            stick_duration: Clock::sum(sticks.map(Segment::duration)),
+            max_sliding_speed: speeds.fold(0.0, f64::max),
         }
     }
 }
 
-/// Calls `meet` where a series changes its sign in a step.
-fn at_extremes(rate: &PowerSeries, h: f64, meet: &mut dyn FnMut(f64)) {
-    let _ = rate.sign_changes(h, &mut |t, _| {
-        meet(t);
-        ControlFlow::Continue(())
-    });
+/// Largest absolute value in a range.
+fn largest((least, most): (f64, f64)) -> f64 {
+    f64::max(-least, most)
 }
 
 /// Least and largest displacement (minus the translation), velocity and acceleration of a
@@ -154,13 +138,11 @@ fn extremes(steps: &[Step], coordinate: usize, mean_velocity: f64) -> [(f64, f64
         let mut relative = *velocity;
         relative[0] -= mean_velocity;
         let acceleration = velocity.derivative();
-        meet(2, acceleration.at(0.0));
-        meet(2, acceleration.at(h));
-        at_extremes(&relative, h, &mut |t| meet(0, start + t * relative.mean(t)));
-        at_extremes(&acceleration, h, &mut |t| meet(1, velocity.at(t)));
-        at_extremes(&acceleration.derivative(), h, &mut |t| {
-            meet(2, acceleration.at(t));
-        });
+        relative.sign_changes(h, &mut |t, _| meet(0, start + t * relative.mean(t)));
+        acceleration.sign_changes(h, &mut |t, _| meet(1, velocity.at(t)));
+        let (least, most) = acceleration.extremes(h);
+        meet(2, least);
+        meet(2, most);
     }
     ranges
 }

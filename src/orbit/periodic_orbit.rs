@@ -19,7 +19,7 @@ use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::motion::{EnergyBudget, Event, EventKind, Segment, SystemState, Trajectory};
-use crate::numerics::fourier::Fourier;
+use crate::numerics::fourier::{Fourier, differentiated};
 use crate::numerics::power_of_two;
 use crate::numerics::sort::sort_by;
 use crate::state::structure::State;
@@ -519,11 +519,7 @@ impl<S: SystemState> Orbit<S> {
     }
 
     fn differentiated(&self, coordinate: usize, n: usize, times: i32) -> Vec<Complex<f64>> {
-        let mut harmonics = self.harmonics(coordinate, n);
-        for (k, amplitude) in (1..).zip(&mut harmonics) {
-            *amplitude *= Complex::new(0.0, f64::from(k) * self.frequency()).powi(times);
-        }
-        harmonics
+        differentiated(self.harmonics(coordinate, n), self.frequency(), times)
     }
 }
 

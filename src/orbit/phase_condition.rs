@@ -1,8 +1,6 @@
 //! The start of motions while Newton's method searches for them: away from events, at a time of the
 //! period of a forced motion, or where an autonomous one meets its phase condition.
 
-use std::ops::ControlFlow;
-
 use nalgebra::DVector;
 
 use super::form::GeneralForm;
@@ -123,11 +121,10 @@ impl PhaseCondition {
             let Some(missed) = self.series(step) else {
                 continue;
             };
-            let _ = missed.sign_changes(step.duration(), &mut |t, rises| {
+            missed.sign_changes(step.duration(), &mut |t, rises| {
                 if rises {
                     passed.extend(map.vector_at(step.start_time() + t));
                 }
-                ControlFlow::Continue(())
             });
         }
         passed
@@ -310,7 +307,7 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
             let Some(velocity) = turning.series(step) else {
                 continue;
             };
-            let _ = velocity.sign_changes(step.duration(), &mut |t, _| {
+            velocity.sign_changes(step.duration(), &mut |t, _| {
                 let acceleration = velocity.derivative().at(t);
                 let sharpness = acceleration.abs() / speeds[n + coordinate];
                 // The first of several equal ones, in spite of rounding.
@@ -325,7 +322,6 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
                         time,
                     });
                 }
-                ControlFlow::Continue(())
             });
         }
     }

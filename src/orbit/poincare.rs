@@ -3,7 +3,6 @@
 
 use std::collections::VecDeque;
 use std::fmt;
-use std::ops::ControlFlow;
 
 use super::oscillator::Oscillator;
 use crate::error::{Error, Reached};
@@ -297,9 +296,8 @@ fn passages(relative: &PowerSeries, speed: f64, h: f64) -> Vec<(f64, bool)> {
     if h.is_finite() {
         for side in [1.0, -1.0] {
             let beyond = relative.scaled(side).minus(speed);
-            let _ = beyond.sign_changes(h, &mut |t, rises| {
+            beyond.sign_changes(h, &mut |t, rises| {
                 passages.push((t, rises));
-                ControlFlow::Continue(())
             });
         }
         passages.sort_by(|(one, _), (other, _)| one.total_cmp(other));

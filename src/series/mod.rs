@@ -217,6 +217,22 @@ impl PowerSeries {
         sum_of_powers(t, |k| self.0[k] * INTEGRAL[k])
     }
 
+    /// The integral over [0, t] of the integral of c, divided by t²: Σ c_k t^k/((k + 1)(k + 2)).
+    pub(crate) fn twice_integrated(&self, t: f64) -> f64 {
+        Self::from_fn(|k| self.0[k] / ((k + 1) * (k + 2)) as f64).at(t)
+    }
+
+    /// Least and largest value on [0, h].
+    pub(crate) fn extremes(&self, h: f64) -> (f64, f64) {
+        let (start, end) = (self.at(0.0), self.at(h));
+        let (mut least, mut largest) = (start.min(end), start.max(end));
+        self.derivative().sign_changes(h, &mut |t, _| {
+            let value = self.at(t);
+            (least, largest) = (least.min(value), largest.max(value));
+        });
+        (least, largest)
+    }
+
     /// The derivative dc/dt.
     #[inline(never)]
     pub(crate) fn derivative(&self) -> Self {

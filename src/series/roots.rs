@@ -56,11 +56,19 @@ impl PowerSeries {
     }
 
     /// Calls `visit` with every time in (0, h] at which the polynomial changes sign, in order, and
-    /// with `true` where it rises. `visit` can stop the search.
+    /// with `true` where it rises.
+    pub(crate) fn sign_changes(&self, h: f64, visit: &mut dyn FnMut(f64, bool)) {
+        let _ = self.search_sign_changes(h, &mut |t, rises| {
+            visit(t, rises);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// Calls `visit` as [`sign_changes`](Self::sign_changes) does, until it stops the search.
     ///
     /// A root at t = 0 is not reported. After [`MOST_DIVISIONS`], in stiff systems, an interval
     /// counts as one with a sign change only if the signs at its ends differ.
-    pub(crate) fn sign_changes(&self, h: f64, visit: Visit<'_>) -> ControlFlow<()> {
+    pub(crate) fn search_sign_changes(&self, h: f64, visit: Visit<'_>) -> ControlFlow<()> {
         let values = self.at_some(quarters(h));
         let curvature = self.curvature_bound(h);
         if self.stays_away(h, values, curvature) {

@@ -1,8 +1,6 @@
 //! The events that change at a motion: contacts that touch, arrivals at the limit of stick, events
 //! at one time.
 
-use std::ops::ControlFlow;
-
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, Then, minimum_behind, speeds};
 use super::super::linear::load_at_end;
@@ -217,12 +215,11 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
                 note(0.0, 0.0);
             }
             let slope = speeds.derivative();
-            let _ = slope.sign_changes(step.duration(), &mut |t, rises| {
+            slope.sign_changes(step.duration(), &mut |t, rises| {
                 // After a release the speed rises from 0, with a slope of 0 to rounding.
                 if rises && (slips || t > ROUNDING * period) {
                     note(t, 0.0);
                 }
-                ControlFlow::Continue(())
             });
             slips = true;
             falling = (slope.at(step.duration()) < 0.0).then_some(side);
