@@ -17,7 +17,7 @@
 // | `least_norm.rs` | minimum-norm least-squares solutions of linear systems |
 // | `sort.rs` | sorting by a number, compiled once for all types |
 // | `table.rs` | curves through the points of a table: straight lines or monotone cubics |
-// | `trace` | curves in two parameters: Newton's method across a curve (`mod.rs`), pseudo-arclength steps along it (`along.rs`) |
+// | `trace` | curves in two parameters: Newton's method across a curve (`mod.rs`), pseudo-arclength steps along it (`along.rs`), points beside a chord of it (`chord.rs`), zeros of test functions on it (`zero.rs`) |
 // | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 
 pub(crate) mod adaptive;

@@ -10,6 +10,7 @@ use super::map::CLOSED;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 use crate::numerics::sort::sort_by;
+use crate::numerics::trace::nearest_to_zero;
 
 /// A bifurcation.
 pub(super) struct FoundBifurcation {
@@ -281,32 +282,17 @@ impl LocalCurve<'_, '_> {
         &self,
         from: &CurvePoint,
         to: &CurvePoint,
-        mut bracket: Bracket,
+        bracket: Bracket,
         test: usize,
     ) -> Result<CurvePoint, Error> {
-        let (mut low, mut high) = (from.clone(), to.clone());
-        let rises = bracket.sign_change().values[1] > 0.0;
-        let mut best: Option<(f64, CurvePoint)> = None;
-        for _ in 0..MOST_HALVINGS {
-            let Some(distance) = bracket.next_place() else {
-                break;
-            };
-            let place = self.between(&low, &high, distance)?;
-            let value = self.tests(&place.solved)[test];
-            bracket.narrow(distance, value);
-            if best.as_ref().is_none_or(|best| value.abs() < best.0) {
-                best = Some((value.abs(), place.clone()));
-            }
-            if (value > 0.0) == rises {
-                high = place;
-            } else {
-                low = place;
-            }
-            if value == 0.0 || self.apart(&low, &high) <= f64::EPSILON {
-                break;
-            }
-        }
-        Ok(best.map_or(high, |best| best.1))
+        let nearest = nearest_to_zero(
+            bracket,
+            [from.clone(), to.clone()],
+            |low, high, distance| self.between(low, high, distance),
+            |place| self.tests(&place.solved)[test],
+            |low, high| self.apart(low, high) <= f64::EPSILON,
+        )?;
+        Ok(nearest.map_or_else(|| to.clone(), |(_, place)| place))
     }
 
     fn tests(&self, solved: &Solved) -> [f64; 4] {

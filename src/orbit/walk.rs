@@ -14,7 +14,7 @@ use super::phase_condition::FrozenStart;
 use super::spectrum::hopf_point;
 use crate::error::Error;
 use crate::motion::Segment;
-use crate::numerics::trace::{Plane, at_zero};
+use crate::numerics::trace::{Chord, Plane, at_zero};
 
 /// One half of a branch.
 pub(super) struct Walk<'v, 'f> {
@@ -348,17 +348,13 @@ impl Walk<'_, '_> {
             let (Some(low), Some(high)) = (begun(&pair[0]), begun(&pair[1])) else {
                 return false;
             };
-            let chord = (&high - &low).component_div(scale);
-            let there = (&motion.y - &low).component_div(scale);
-            let part = chord.dot(&there) / chord.norm_squared();
-            let beside = (there - &chord * part).norm();
-            if !((0.0..=1.0).contains(&part) && beside <= BESIDE_CHORD * chord.norm()) {
+            let chord = Chord::new([&low, &high], scale);
+            let (part, beside) = chord.place(&motion.y);
+            if !((0.0..=1.0).contains(&part) && beside <= BESIDE_CHORD) {
                 return false;
             }
-            let along = chord.normalize();
-            let plane = Plane::beyond(&motion.y, 0.0, along.clone(), &along, scale);
-            let guess = low * (1.0 - part) + high * part;
-            let found = curve.solve(&guess, motion, &plane);
+            let plane = chord.plane_through(&motion.y);
+            let found = curve.solve(&chord.at(part), motion, &plane);
             found.is_ok_and(|found| (found.y - &motion.y).component_div(scale).amax() <= SAME)
         })
     }
@@ -587,28 +583,14 @@ impl Walk<'_, '_> {
         if self.points.len() < 3 {
             return false;
         }
-        let scaled = |y: &DVector<f64>| y.component_div(&self.first_scale);
-        let [from, to] = [&base.y, &next.y].map(scaled);
-        let step = to - &from;
-        let along = step.norm_squared();
-        let passes = |point: &DVector<f64>, left: DVector<f64>| {
-            let part = step.dot(&(point - &from)) / along;
-            let beside = &from + &step * part - point;
-            step.dot(&left) > 0.0
-                && (0.0..=1.0).contains(&part)
-                && beside.norm_squared() <= 0.01 * along
-        };
-        let seen = |solved| -> Vec<_> {
-            let seen = self.curve.seen(solved, &base.begin);
-            seen.iter().map(scaled).collect()
-        };
+        let way = Chord::new([&base.y, &next.y], &self.first_scale);
+        let seen = |solved| self.curve.seen(solved, &base.begin);
         let seconds = seen(second);
         seen(first).iter().any(|point| {
-            let nearest = |a: &&DVector<f64>, b: &&DVector<f64>| {
-                (*a - point).norm().total_cmp(&(*b - point).norm())
-            };
-            let second = seconds.iter().min_by(nearest);
-            second.is_some_and(|second| passes(point, second - point))
+            let left = |second: &DVector<f64>| (second - point).component_div(&self.first_scale);
+            let ways = seconds.iter().map(left);
+            let nearest = ways.min_by(|a, b| a.norm().total_cmp(&b.norm()));
+            nearest.is_some_and(|left| way.passes(point, &left))
         })
     }
 

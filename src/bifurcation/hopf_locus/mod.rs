@@ -11,7 +11,9 @@ use self::equations::{Bordered, HopfPoints};
 use crate::belt::Criticality;
 use crate::error::Error;
 use crate::numerics::eigenvalues::{eigenvalues, growing};
-use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
+use crate::numerics::trace::{
+    Chord, Equations, Plane, Point, both_ways, check_ranges, joined, solve,
+};
 use crate::orbit::{LocusEnd, Oscillator, SpecialKind, member};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
@@ -272,62 +274,35 @@ impl GridSearch<'_> {
 
     /// Returns true if a point lies on a curve that was followed.
     fn is_known(&self, point: &Solved) -> bool {
-        let scaled = |y: &DVector<f64>| y.component_div(&point.scale);
-        let there = scaled(&point.y);
-        self.curves.iter().any(|curve| {
-            curve.points.windows(2).any(|pair| {
-                let [from, to] = [scaled(&pair[0].y), scaled(&pair[1].y)];
-                let step = &to - &from;
-                let length = step.norm();
-                let done = step.dot(&(&there - &from)) / length.powi(2);
-                let beside = (&from + &step * done - &there).norm();
-                let margin = SAME / length;
-                if !((-margin..=1.0 + margin).contains(&done) && beside <= 0.5 * length) {
-                    return false;
-                }
-                let along = step.normalize();
-                let plane = Plane::beyond(&point.y, 0.0, along.clone(), &along, &point.scale);
-                let guess = &pair[0].y * (1.0 - done) + &pair[1].y * done;
-                let near = &pair[0].value;
-                let found = solve(&self.points, &guess, near, &plane);
-                found.is_ok_and(|found| (scaled(&found.y) - &there).amax() <= SAME)
-            })
+        let (y, scale) = (&point.y, &point.scale);
+        let mut pairs = self.curves.iter().flat_map(|curve| curve.points.windows(2));
+        pairs.any(|pair| {
+            let chord = Chord::new([&pair[0].y, &pair[1].y], scale);
+            let (part, beside) = chord.place(y);
+            let margin = SAME / chord.step.norm();
+            if !((-margin..=1.0 + margin).contains(&part) && beside <= 0.5) {
+                return false;
+            }
+            let (guess, near) = (chord.at(part), &pair[0].value);
+            let found = solve(&self.points, &guess, near, &chord.plane_through(y));
+            found.is_ok_and(|found| (found.y - y).component_div(scale).amax() <= SAME)
         })
     }
 
     /// The curve through a point, in both directions.
     fn follow(&self, first: &Solved) -> Curve {
-        let mut back = first.clone();
-        back.tangent.neg_mut();
-        let up = trace(&self.points, first);
-        let end = |end: End, points: &[Solved]| {
-            let last = points.last().unwrap_or(first);
-            LocusEnd::of(end, [last.y[0], last.y[1]])
-        };
-        if up.end == End::Closed {
-            let mut points = up.points;
-            points.insert(0, first.clone());
+        let halves = both_ways(&self.points, first);
+        let ends = halves.each_ref().map(|half| {
+            let last = half.points.last().unwrap_or(first);
+            LocusEnd::of(half.end.clone(), [last.y[0], last.y[1]])
+        });
+        let (mut points, special) = joined(halves, first);
+        if ends[1] == LocusEnd::Closed {
             points.push(first.clone());
-            return Curve {
-                points,
-                special: up
-                    .special
-                    .into_iter()
-                    .map(|(test, _, at)| (test, at))
-                    .collect(),
-                ends: [LocusEnd::Closed, LocusEnd::Closed],
-            };
         }
-        let down = trace(&self.points, &back);
-        let ends = [end(down.end, &down.points), end(up.end, &up.points)];
-        let mut points = down.points;
-        points.reverse();
-        points.push(first.clone());
-        points.extend(up.points);
-        let special = down.special.into_iter().rev().chain(up.special);
         Curve {
             points,
-            special: special.map(|(test, _, at)| (test, at)).collect(),
+            special,
             ends,
         }
     }

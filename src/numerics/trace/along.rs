@@ -4,6 +4,8 @@
 use nalgebra::DVector;
 
 use super::super::bracket::Bracket;
+use super::chord::Chord;
+use super::zero::nearest_to_zero;
 use super::{Equations, Plane, Point, at_zero, solve};
 use crate::error::Error;
 use crate::numerics::sort::sort_by;
@@ -16,6 +18,16 @@ pub(crate) struct Half<V> {
     /// point of the curve is number 0.
     pub(crate) special: Vec<(usize, usize, Point<V>)>,
     pub(crate) end: End,
+}
+
+impl<V> Half<V> {
+    fn empty(end: End) -> Self {
+        Self {
+            points: Vec::new(),
+            special: Vec::new(),
+            end,
+        }
+    }
 }
 
 /// The reason why a curve ends.
@@ -61,9 +73,6 @@ const JUMP: f64 = 1e-4;
 
 /// A test at a special point is below this part of its values on both sides.
 const ZERO: f64 = 1e-6;
-
-/// Halvings of the interval that holds a special point.
-const MOST_HALVINGS: usize = 100;
 
 /// The points of a curve near one of them, by planes across the tangent there.
 struct LocalCurve<'v, E: Equations> {
@@ -223,32 +232,19 @@ impl<E: Equations> LocalCurve<'_, E> {
         test: usize,
         values: [f64; 2],
     ) -> Result<Option<TracePoint<E::Value>>, Error> {
-        let (mut low, mut high) = (from.clone(), to.clone());
-        let mut bracket = Bracket::new((from.distance, values[0]), (to.distance, values[1]));
-        let mut best: Option<(f64, TracePoint<E::Value>)> = None;
-        for _ in 0..MOST_HALVINGS {
-            let Some(distance) = bracket.next_place() else {
-                break;
-            };
-            let place = self.between(&low, &high, distance)?;
-            let value = self.equations.tests(&place.point)[test];
-            bracket.narrow(distance, value);
-            if best.as_ref().is_none_or(|best| value.abs() < best.0) {
-                best = Some((value.abs(), place.clone()));
-            }
-            if (value > 0.0) == (values[1] > 0.0) {
-                high = place;
-            } else {
-                low = place;
-            }
-            let apart = (&low.point.y - &high.point.y).component_div(&self.base.scale);
-            if value == 0.0 || apart.amax() <= f64::EPSILON || bracket.width() <= f64::EPSILON {
-                break;
-            }
-        }
+        let nearest = nearest_to_zero(
+            Bracket::new((from.distance, values[0]), (to.distance, values[1])),
+            [from.clone(), to.clone()],
+            |low, high, distance| self.between(low, high, distance),
+            |place| self.equations.tests(&place.point)[test],
+            |low, high| {
+                let apart = (&low.point.y - &high.point.y).component_div(&self.base.scale);
+                apart.amax() <= f64::EPSILON || high.distance - low.distance <= f64::EPSILON
+            },
+        )?;
         let size = values[0].abs().max(values[1].abs());
-        let zero = best.filter(|best| best.0 <= ZERO * size);
-        Ok(zero.map(|zero| zero.1))
+        let zero = nearest.filter(|(value, _)| *value <= ZERO * size);
+        Ok(zero.map(|(_, place)| place))
     }
 }
 
@@ -259,13 +255,38 @@ enum Step<V> {
     Vanishes([f64; 2]),
 }
 
-/// Follows a curve from a point in the direction of its tangent.
-pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Half<E::Value> {
-    let mut half = Half {
-        points: Vec::new(),
-        special: Vec::new(),
-        end: End::Work,
+/// The curve from a point against its tangent, and along it. A closed one is followed along it only.
+pub(crate) fn both_ways<E: Equations>(
+    equations: &E,
+    first: &Point<E::Value>,
+) -> [Half<E::Value>; 2] {
+    let up = trace(equations, first);
+    let mut back = first.clone();
+    back.tangent.neg_mut();
+    let down = match up.end {
+        End::Closed => Half::empty(End::Closed),
+        _ => trace(equations, &back),
     };
+    [down, up]
+}
+
+/// The points and the special points of both halves of a curve, in order from one end to the other;
+/// each special point with its test.
+pub(crate) fn joined<V: Clone>(
+    [down, up]: [Half<V>; 2],
+    first: &Point<V>,
+) -> (Vec<Point<V>>, Vec<(usize, Point<V>)>) {
+    let points = down.points.into_iter().rev();
+    let points = points.chain([first.clone()]).chain(up.points);
+    let special = down.special.into_iter().rev().chain(up.special);
+    let special = special.map(|(test, _, point)| (test, point));
+    (points.collect(), special.collect())
+}
+
+/// Follows a curve from a point in the direction of its tangent.
+fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Half<E::Value> {
+    equations.begin_again();
+    let mut half = Half::empty(End::Work);
     let mut base = first.clone();
     let mut signs = signs_of(equations, first);
     let mut length = 0.25 * LONGEST;
@@ -323,9 +344,13 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
                 *sign = now;
             }
         }
-        if half.points.len() >= 3 && passes(&base, &place.point, first) {
-            half.end = End::Closed;
-            return half;
+        if half.points.len() >= 3 {
+            let way = Chord::new([&base.y, &place.point.y], &base.scale);
+            let direction = first.tangent.component_mul(&first.scale);
+            if way.passes(&first.y, &direction.component_div(&base.scale)) {
+                half.end = End::Closed;
+                return half;
+            }
         }
         lengths.push(place.distance);
         half.points.push(place.point.clone());
@@ -466,20 +491,4 @@ fn leaves<E: Equations>(equations: &E, point: &Point<E::Value>) -> bool {
         let (y, along) = (point.y[i], point.tangent[i]);
         (y <= range.start && along < 0.0) || (y >= range.end && along > 0.0)
     })
-}
-
-/// Returns true if the curve passes a point of it again, in the same direction, between two others.
-fn passes<V>(from: &Point<V>, to: &Point<V>, point: &Point<V>) -> bool {
-    let part = |y: &DVector<f64>| (y - &from.y).component_div(&from.scale);
-    let (step, there) = (part(&to.y), part(&point.y));
-    let along = step.norm_squared();
-    let done = step.dot(&there) / along;
-    let beside = &step * done - &there;
-    let direction = point
-        .tangent
-        .component_mul(&point.scale)
-        .component_div(&from.scale);
-    (0.0..=1.0).contains(&done)
-        && beside.norm_squared() <= 0.01 * along
-        && direction.dot(&step) > 0.0
 }

@@ -6,12 +6,16 @@
 //! by least squares.
 
 mod along;
+mod chord;
+mod zero;
 
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-pub(crate) use self::along::{End, Half, trace};
+pub(crate) use self::along::{End, Half, both_ways, joined};
+pub(crate) use self::chord::Chord;
+pub(crate) use self::zero::nearest_to_zero;
 use super::least_norm::least_norm_by_rows;
 use crate::error::Error;
 
@@ -72,6 +76,9 @@ pub(crate) trait Equations {
 
     /// Returns true if the kind of the curve ends at a zero of this test.
     fn ends_at(&self, test: usize) -> bool;
+
+    /// Called before the curve is followed in either direction.
+    fn begin_again(&self) {}
 
     /// Returns true if the work allowed is done.
     fn is_at_limit(&self) -> bool;

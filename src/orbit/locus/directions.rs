@@ -7,7 +7,7 @@ use super::curve_of_motions::CurveOfMotions;
 use super::found::{LocusEnd, SpecialKind};
 use crate::error::Error;
 use crate::numerics::least_norm::least_norm_by_rows;
-use crate::numerics::trace::{self, Equations, Plane, Point, trace};
+use crate::numerics::trace::{self, Equations, Plane, Point};
 
 /// The first point, with the second parameter as given; at a turn of the curve, with the tangent
 /// across it.
@@ -118,10 +118,6 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
     first: &Point<E::Value>,
 ) -> BothDirections<E::Value> {
     let motions = curve.motions();
-    let walk = |first: &Point<E::Value>| {
-        motions.begin_again();
-        trace(curve, first)
-    };
     let end = |half: &trace::Half<E::Value>| {
         let last = half.points.last().unwrap_or(first);
         let parameters = motions.parameters(&last.y);
@@ -131,19 +127,7 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
             _ => LocusEnd::of(half.end.clone(), parameters),
         }
     };
-    let up = walk(first);
-    let mut back = first.clone();
-    back.tangent.neg_mut();
-    let down = if up.end == trace::End::Closed {
-        trace::Half {
-            points: Vec::new(),
-            special: Vec::new(),
-            end: trace::End::Closed,
-        }
-    } else {
-        walk(&back)
-    };
-    let mut halves = [down, up];
+    let mut halves = trace::both_ways(curve, first);
     let mut ends = [0, 1].map(|side| end(&halves[side]));
     let [before, after] = std::array::from_fn(|side| {
         let half = &mut halves[side];
@@ -156,14 +140,9 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
         half.points.push(point.clone());
         Some((kind, point))
     });
-    let [down, up] = halves;
-    let special = down.special.into_iter().rev().chain(up.special);
-    let special =
-        special.filter_map(|(test, _, point)| Some((curve.special(test, &point)?, point)));
+    let (points, special) = trace::joined(halves, first);
+    let special = special.into_iter();
+    let special = special.filter_map(|(test, point)| Some((curve.special(test, &point)?, point)));
     let special = before.into_iter().chain(special).chain(after).collect();
-    let mut points = down.points;
-    points.reverse();
-    points.push(first.clone());
-    points.extend(up.points);
     (points, special, ends)
 }

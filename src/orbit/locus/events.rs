@@ -399,6 +399,10 @@ impl Equations for EventCurve<'_> {
         false
     }
 
+    fn begin_again(&self) {
+        self.motions.begin_again();
+    }
+
     fn is_at_limit(&self) -> bool {
         self.motions.is_at_limit()
     }

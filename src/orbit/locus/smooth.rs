@@ -442,6 +442,10 @@ impl Equations for SmoothCurve<'_> {
         self.kind == Smooth::Torus && TORUS_ENDS.contains(&test)
     }
 
+    fn begin_again(&self) {
+        self.motions.begin_again();
+    }
+
     fn is_at_limit(&self) -> bool {
         self.motions.is_at_limit()
     }
