@@ -7,6 +7,7 @@ use super::branch::BifurcationKind;
 use super::curve::{FINE, Solved};
 use super::local_curve::{CurvePoint, LocalCurve};
 use super::map::CLOSED;
+use super::multipliers::tests;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 use crate::numerics::sort::sort_by;
@@ -48,7 +49,7 @@ const NARROWER: f64 = 64.0;
 /// of the contact, and no motion is found.
 const GAP: f64 = 1e-6;
 
-/// Values of a test function below this are rounding: they have no sign.
+/// Factors of a test function below this are rounding: it has no sign.
 const ROUNDING: f64 = 1e-9;
 
 /// Largest distance of a multiplier from its value at the bifurcation.
@@ -223,7 +224,7 @@ impl LocalCurve<'_, '_> {
         if self.gained_symmetry(from, to).is_some() {
             return Err(self.lost(to));
         }
-        let (begin, end) = (self.values(&from.solved), self.values(&to.solved));
+        let [begin, end] = [from, to].map(|place| self.tests(&place.solved, ROUNDING));
         let first = found.len();
         for (test, sign) in signs.iter_mut().enumerate() {
             // A test function without a sign keeps its last sign. Two values without a sign in
@@ -289,47 +290,17 @@ impl LocalCurve<'_, '_> {
             bracket,
             [from.clone(), to.clone()],
             |low, high, distance| self.between(low, high, distance),
-            |place| self.tests(&place.solved)[test],
+            |place| self.tests(&place.solved, 0.0)[test],
             |low, high| self.apart(low, high) <= f64::EPSILON,
         )?;
         Ok(nearest.map_or_else(|| to.clone(), |(_, place)| place))
     }
 
-    fn tests(&self, solved: &Solved) -> [f64; 4] {
-        let one = Complex::new(1.0, 0.0);
-        let m = &solved.multipliers;
-        let product = |sign: f64| m.iter().map(|m| one - m * sign).product::<Complex<f64>>();
-        let mut pairs = one;
-        for (i, a) in m.iter().enumerate() {
-            for b in &m[..i] {
-                pairs *= one - a * b;
-            }
-        }
-        let last = self.curve.unknowns() - 1;
-        [
-            solved.tangent[last],
-            product(1.0).re,
-            product(-1.0).re,
-            pairs.re,
-        ]
-    }
-
-    /// The test functions; 0 where rounding could give them any sign.
-    fn values(&self, solved: &Solved) -> [f64; 4] {
-        let mut values = self.tests(solved);
-        let m = &solved.multipliers;
-        let nearest = |to: f64| m.iter().map(|m| (m - to).norm()).fold(1.0, f64::min);
-        let mut sizes = [values[0].abs(), nearest(1.0), nearest(-1.0), 1.0];
-        for (i, a) in m.iter().enumerate() {
-            for b in &m[..i] {
-                sizes[3] = sizes[3].min((a * b - 1.0).norm());
-            }
-        }
-        for (value, size) in values.iter_mut().zip(sizes) {
-            if size < ROUNDING {
-                *value = 0.0;
-            }
-        }
-        values
+    /// The test functions; 0 where rounding, of this size, could give them any sign.
+    fn tests(&self, solved: &Solved, rounding: f64) -> Signs {
+        let along = solved.tangent[self.curve.unknowns() - 1];
+        let along = if along.abs() < rounding { 0.0 } else { along };
+        let [folds, flips, tori] = tests(&solved.multipliers, rounding);
+        [along, folds, flips, tori]
     }
 }

@@ -52,6 +52,28 @@ pub(super) fn multipliers(
     Some(values)
 }
 
+/// Functions of multipliers μ that change sign at a fold, the product of all 1 − μ; at a flip, that
+/// of all 1 + μ; and at a Neimark-Sacker bifurcation, that of all 1 − μμ'. A product is 0 if
+/// rounding, of this size, could give one of its factors any sign.
+pub(super) fn tests(multipliers: &[Complex<f64>], rounding: f64) -> [f64; 3] {
+    let one = Complex::new(1.0, 0.0);
+    let product = |factors: &mut dyn Iterator<Item = Complex<f64>>| {
+        let (mut product, mut is_rounding) = (one, false);
+        for factor in factors {
+            product *= factor;
+            is_rounding |= factor.norm() < rounding;
+        }
+        if is_rounding { 0.0 } else { product.re }
+    };
+    let pairs = multipliers.iter().enumerate();
+    let pairs = pairs.flat_map(|(i, a)| multipliers[..i].iter().map(move |b| a * b));
+    [
+        product(&mut multipliers.iter().map(|m| one - m)),
+        product(&mut multipliers.iter().map(|m| one + m)),
+        product(&mut pairs.map(|pair| one - pair)),
+    ]
+}
+
 /// The coordinates that remain after those with a row or a column of zeros are removed repeatedly.
 fn alive(matrix: &DMatrix<f64>) -> Vec<usize> {
     let mut alive: Vec<usize> = (0..matrix.nrows()).collect();

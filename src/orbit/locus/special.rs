@@ -3,10 +3,11 @@
 use nalgebra::DVector;
 use num_complex::Complex;
 
+use super::super::multipliers::tests;
 use super::found::SpecialKind;
 use super::smooth::{Motion, Smooth, SmoothCurve};
 
-/// Test functions nearer to 0 than this are rounding.
+/// Factors of test functions nearer to 0 than this are rounding.
 const ROUNDING: f64 = 1e-11;
 
 impl SmoothCurve<'_> {
@@ -66,19 +67,7 @@ impl SmoothCurve<'_> {
 
     /// Functions that change sign at special points.
     pub(super) fn test_values(&self, y: &DVector<f64>, value: &Motion) -> Vec<f64> {
-        let others = self.others(y, value);
-        let one = Complex::from(1.0);
-        // 0 where rounding could give any sign.
-        let product = |factors: &mut dyn Iterator<Item = Complex<f64>>| {
-            let factors: Vec<_> = factors.collect();
-            let is_rounding = factors.iter().any(|x| x.norm() < ROUNDING);
-            let product = factors.iter().product::<Complex<f64>>().re;
-            if is_rounding { 0.0 } else { product }
-        };
-        let folds = product(&mut others.iter().map(|m| one - m));
-        let flips = product(&mut others.iter().map(|m| one + m));
-        let pairs = (0..others.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let tori = product(&mut pairs.map(|(i, j)| one - others[i] * others[j]));
+        let [folds, flips, tori] = tests(&self.others(y, value), ROUNDING);
         let order = self.motions.order;
         let along = {
             let [left, right] = [&value.bordered.left, &value.bordered.right];
