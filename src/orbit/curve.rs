@@ -3,7 +3,6 @@
 //!
 //! The unknowns y are the start, the period of an autonomous motion, and the parameter.
 
-use std::cell::Cell;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -21,11 +20,11 @@ use super::periodic_orbit::Closed;
 use super::phase_condition::FrozenStart;
 use super::spectrum::spectrum;
 use super::trial::TrialMotion;
+use super::work::Work;
 use crate::error::Error;
 use crate::motion::Segment;
 use crate::numerics::least_norm::{LeastNorm, least_norm_by_rows, nullity};
 use crate::numerics::trace::{Plane, is_in_or_near};
-use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::state::structure::State;
 
 /// The equations of the periodic motions of a family.
@@ -38,13 +37,7 @@ pub(super) struct Curve<'f> {
     /// √(M⁻¹)_ii for each coordinate i; for each memory variable √k_t if it is the force of an
     /// elastic contact, otherwise 0. States of equal energy are in proportion to these numbers.
     pub(super) mobilities: Vec<f64>,
-    /// Number of motions tried.
-    pub(super) tried: Cell<usize>,
-    /// Number of steps of all motions tried.
-    pub(super) steps: Cell<usize>,
-    /// Limits of steps and of points in one direction.
-    pub(super) most: (usize, usize),
-    pub(super) watched: &'f Watched<'f>,
+    pub(super) work: Work<'f>,
 }
 
 /// A point of the curve.
@@ -75,7 +68,7 @@ impl Solved {
 type Passage = (State, State, Events);
 
 /// Limit of the motions tried in one direction.
-const MOST_TRIALS: usize = 50_000;
+pub(super) const MOST_TRIALS: usize = 50_000;
 
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
@@ -183,14 +176,6 @@ impl Curve<'_> {
         Ok(spectrum(&self.member(parameter)?.form())?.values)
     }
 
-    fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {
-        let kind = match self.kind {
-            Period::Free(_) => Period::Free(y[self.order]),
-            driven @ Period::Driven(_) => driven,
-        };
-        kind.duration(form.rhythm())
-    }
-
     pub(super) fn trial(
         &self,
         y: &DVector<f64>,
@@ -198,12 +183,6 @@ impl Curve<'_> {
     ) -> Result<TrialMotion, Error> {
         let (map, period) = self.motion(y, begin, 1.0)?;
         Ok(TrialMotion::new(map, period))
-    }
-
-    /// A system of the family, watched.
-    fn form<'m>(&'m self, member: &'m dyn FamilyMember, parameter: f64) -> GeneralForm<'m> {
-        self.watched.at(parameter);
-        member.form().within(MOST_STEPS_OF_A_SEARCH, self.watched)
     }
 
     /// The result of a function of the system with the parameter of y and of the period.
@@ -214,26 +193,19 @@ impl Curve<'_> {
     ) -> Result<T, Error> {
         let find = || {
             let member = self.member(self.parameter(y))?;
-            let form = self.form(&*member, self.parameter(y));
-            let period = self.period(&form, y)?;
-            let found = take(&form, period);
-            self.watched.add(form.taken());
-            self.steps.set(self.steps.get() + form.taken());
-            found
+            self.work.watched.at(self.parameter(y));
+            self.work.with(member.form(), |form| {
+                let kind = self.kind.with_period(y[self.order]);
+                take(form, kind.duration(form.rhythm())?)
+            })
         };
         find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
-    }
-
-    /// Returns true if the work allowed in one direction is done, or the search was stopped.
-    pub(super) fn is_at_limit(&self) -> bool {
-        let is_done = self.tried.get() > MOST_TRIALS || self.steps.get() > self.most.0;
-        is_done || self.watched.is_stopped()
     }
 
     /// The end of a branch at a limit of work, after its last motion.
     pub(super) fn end_at_limit(&self, last: &Solved) -> BranchEnd {
         let parameter = self.parameter(&last.y);
-        if self.watched.is_stopped() {
+        if self.work.watched.is_stopped() {
             BranchEnd::Stopped { parameter }
         } else {
             BranchEnd::Work
@@ -247,7 +219,7 @@ impl Curve<'_> {
         begin: &FrozenStart,
         periods: f64,
     ) -> Result<(PeriodMap, f64), Error> {
-        self.tried.set(self.tried.get() + 1);
+        self.work.count_trial();
         self.with(y, |form, period| {
             let (time, start) = begin.of(form, y, period);
             let map = period_map(form, time, &start, periods * period)?;
@@ -463,7 +435,7 @@ impl Curve<'_> {
         let mut taken: Vec<DVector<f64>> = Vec::new();
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            self.tried.set(self.tried.get() + 1);
+            self.work.count_trial();
             let (start, end, passed) = self.passage(&y, &near.begin).ok()?;
             if passed != events {
                 return None;

@@ -1,17 +1,17 @@
 //! Continuation of a periodic motion over a parameter.
 
-use std::cell::Cell;
 use std::ops::Range;
 
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, Solved};
+use super::curve::{Curve, MOST_TRIALS, Solved};
 use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
 use super::periodic_orbit::{Closed, Orbit};
 use super::phase_condition::FrozenStart;
 use super::walk::{Change, Left, Walk, natural_scale};
+use super::work::Work;
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::numerics::trace::Plane;
@@ -158,10 +158,7 @@ impl Search<'_> {
             n: 0,
             order: 0,
             mobilities: Vec::new(),
-            tried: Cell::new(0),
-            steps: Cell::new(0),
-            most: self.of_branch(),
-            watched: &watched,
+            work: Work::new(MOST_TRIALS, self.of_branch(), &watched),
         })
     }
 }
@@ -246,8 +243,7 @@ fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
     let first = first(curve, guess)?;
     let first_scale = natural_scale(curve, &first);
     let walk = |direction: f64, other_half: &[Left]| -> Result<_, Error> {
-        curve.tried.set(0);
-        curve.steps.set(0);
+        curve.work.begin_again();
         let mut walk = Walk {
             curve,
             first_scale: first_scale.clone(),

@@ -28,6 +28,7 @@
 // | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
 // | `local_curve.rs` | the curve near one of its points |
 // | `walk.rs` | steps along the curve, and its ends |
+// | `work.rs` | the motions tried along a curve, counted and bounded |
 // | `bifurcations.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
 // | `approach.rs` | the two sides of a change of events, brought together in few motions |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
@@ -253,6 +254,7 @@ mod translation;
 mod trial;
 mod unslipped;
 mod walk;
+mod work;
 #[cfg(feature = "serde")]
 mod written;
 

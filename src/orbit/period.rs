@@ -26,6 +26,14 @@ pub enum Period {
 }
 
 impl Period {
+    /// This kind of motion with the period of one: it takes the place of the estimate.
+    pub(super) fn with_period(self, period: f64) -> Self {
+        match self {
+            Self::Free(_) => Self::Free(period),
+            Self::Driven(_) => self,
+        }
+    }
+
     /// The duration in units of time, for drives that vary like this.
     pub(super) fn duration(self, rhythm: Rhythm) -> Result<f64, Error> {
         match (self, rhythm) {

@@ -87,10 +87,7 @@ impl Closed {
         let map = map.since_zero(period);
         let energy = system.energy_over(&map.steps);
         Ok(Self {
-            kind: match kind {
-                Period::Free(_) => Period::Free(period),
-                driven @ Period::Driven(_) => driven,
-            },
+            kind: kind.with_period(period),
             period,
             is_symmetric: HalfMap::of_symmetric(&map, period).is_some(),
             measures: Measures::of(form, (&map.steps, map.translation()), period, energy),

@@ -152,8 +152,8 @@ impl Walk<'_, '_> {
         let mut signs: Signs = [0.0; 4];
         let mut step = 0.25 * LONGEST;
         let mut is_known = false;
-        for _ in 0..self.curve.most.1 {
-            if self.curve.is_at_limit() {
+        for _ in 0..self.curve.work.most.1 {
+            if self.curve.work.is_at_limit() {
                 break;
             }
             let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
@@ -222,7 +222,7 @@ impl Walk<'_, '_> {
 
     fn leave(&mut self, solved: &Solved) -> Result<(), Error> {
         let left = Left::new(self.curve, solved)?;
-        self.curve.watched.found(left.parameter);
+        self.curve.work.watched.found(left.parameter);
         self.points.push(left);
         Ok(())
     }
@@ -257,13 +257,13 @@ impl Walk<'_, '_> {
                     };
                     return (outcome, longer.min(LONGEST));
                 }
-                Err(_) if self.curve.watched.is_stopped() => {
+                Err(_) if self.curve.work.watched.is_stopped() => {
                     return (Outcome::End(self.curve.end_at_limit(base)), length);
                 }
                 Err(error) if length <= shortest => {
                     return self.behind(&view, &here, shortest, signs, error);
                 }
-                Err(_) if self.curve.is_at_limit() => {
+                Err(_) if self.curve.work.is_at_limit() => {
                     let end = self.grazing(base);
                     return (end.unwrap_or(Outcome::End(BranchEnd::Work)), length);
                 }
@@ -315,7 +315,7 @@ impl Walk<'_, '_> {
             };
             return (outcome, length.min(LONGEST));
         }
-        if self.curve.watched.is_stopped() {
+        if self.curve.work.watched.is_stopped() {
             end = Some(Outcome::End(self.curve.end_at_limit(view.base)));
         }
         let parameter = self.curve.parameter(&view.base.y);

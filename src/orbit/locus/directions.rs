@@ -122,7 +122,9 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
         let last = half.points.last().unwrap_or(first);
         let parameters = motions.parameters(&last.y);
         match half.end {
-            trace::End::Work if motions.watched.is_stopped() => LocusEnd::Stopped { parameters },
+            trace::End::Work if motions.work.watched.is_stopped() => {
+                LocusEnd::Stopped { parameters }
+            }
             trace::End::Lost(_) | trace::End::Crawls if curve.jumps_behind(last) => LocusEnd::Jump,
             _ => LocusEnd::of(half.end.clone(), parameters),
         }

@@ -20,7 +20,7 @@ pub(in crate::orbit) fn tangential_end(
     base: &Solved,
 ) -> Option<(f64, TrialMotion, FrozenStart)> {
     let members = |first: f64, _: f64| (curve.family)(first);
-    let bounds = (curve.most, curve.watched);
+    let bounds = (curve.work.most, curve.work.watched);
     let size = [curve.n, curve.order];
     let motions = Motions::new(&members, curve.kind, [curve.width(), 1.0], size, bounds);
     let own = motions.own();

@@ -4,8 +4,6 @@
 //! The unknowns y are the start, the period T of an autonomous motion, the two parameters, and for
 //! a torus κ, the cosine of the angle of its multipliers.
 
-use std::cell::Cell;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::super::event_sequence::Sequence;
@@ -18,8 +16,9 @@ use super::super::passage::{StepsAndTouches, events_of, held_steps};
 use super::super::period::Period;
 use super::super::phase_condition::FrozenStart;
 use super::super::trial::TrialMotion;
+use super::super::work::Work;
 use crate::error::Error;
-use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
+use crate::search::Watched;
 use crate::state::structure::State;
 
 /// The motions of a family.
@@ -32,12 +31,7 @@ pub(super) struct Motions<'f> {
     pub(super) widths: [f64; 2],
     pub(super) n: usize,
     pub(super) order: usize,
-    /// Number of motions tried, and of their steps.
-    tried: Cell<usize>,
-    steps: Cell<usize>,
-    /// Limits of steps and of points in one direction.
-    pub(super) most: (usize, usize),
-    pub(super) watched: &'f Watched<'f>,
+    pub(super) work: Work<'f>,
 }
 
 /// The derivatives of a motion with respect to start and period, and its residual.
@@ -71,10 +65,7 @@ impl<'f> Motions<'f> {
             widths,
             n,
             order,
-            tried: Cell::new(0),
-            steps: Cell::new(0),
-            most,
-            watched,
+            work: Work::new(MOST_TRIALS, most, watched),
         }
     }
 
@@ -112,18 +103,8 @@ impl<'f> Motions<'f> {
     /// Records that a point of a curve was found.
     pub(super) fn found(&self, y: &DVector<f64>) {
         let [first, second] = self.parameters(y);
-        self.watched.at_pair(first, second);
-        self.watched.found(first);
-    }
-
-    pub(super) fn begin_again(&self) {
-        self.tried.set(0);
-        self.steps.set(0);
-    }
-
-    pub(super) fn is_at_limit(&self) -> bool {
-        let is_done = self.tried.get() > MOST_TRIALS || self.steps.get() > self.most.0;
-        is_done || self.watched.is_stopped()
+        self.work.watched.at_pair(first, second);
+        self.work.watched.found(first);
     }
 
     /// The result of a function of the system with these parameters.
@@ -133,12 +114,8 @@ impl<'f> Motions<'f> {
         take: impl FnOnce(&GeneralForm<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.with_form([first, second], |form| {
-            self.watched.at_pair(first, second);
-            let form = form.within(MOST_STEPS_OF_A_SEARCH, self.watched);
-            let found = take(&form);
-            self.steps.set(self.steps.get() + form.taken());
-            self.watched.add(form.taken());
-            found
+            self.work.watched.at_pair(first, second);
+            self.work.with(form, take)
         })
     }
 
@@ -159,14 +136,6 @@ impl<'f> Motions<'f> {
         find().map_err(|error: Error| error.at_pair([first, second]))
     }
 
-    fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {
-        let kind = match self.kind {
-            Period::Free(_) => Period::Free(y[self.order]),
-            driven @ Period::Driven(_) => driven,
-        };
-        kind.duration(form.rhythm())
-    }
-
     /// The time of the start in y, the start in its modes, and the period.
     fn start(
         &self,
@@ -174,7 +143,8 @@ impl<'f> Motions<'f> {
         y: &DVector<f64>,
         begin: &FrozenStart,
     ) -> Result<(f64, State, f64), Error> {
-        let period = self.period(form, y)?;
+        let kind = self.kind.with_period(y[self.order]);
+        let period = kind.duration(form.rhythm())?;
         let (time, start) = begin.of(form, y, period);
         Ok((time, start, period))
     }
@@ -221,7 +191,7 @@ impl<'f> Motions<'f> {
         y: &DVector<f64>,
         begin: &FrozenStart,
     ) -> Result<TrialMotion, Error> {
-        self.tried.set(self.tried.get() + 1);
+        self.work.count_trial();
         self.with(self.parameters(y), |form| {
             let (time, start, period) = self.start(form, y, begin)?;
             let map = held_period_map(form, (time, &start), period, &begin.holds)?;
@@ -238,7 +208,7 @@ impl<'f> Motions<'f> {
         let Some((half_map, balance)) = &self.half else {
             return self.trial(y, begin);
         };
-        self.tried.set(self.tried.get() + 1);
+        self.work.count_trial();
         self.with(self.parameters(y), |form| {
             let (time, start, period) = self.start(form, y, begin)?;
             let half = held_period_map(form, (time, &start), 0.5 * period, &begin.holds)?;
@@ -270,7 +240,7 @@ impl<'f> Motions<'f> {
         begin: &FrozenStart,
         take: impl FnOnce(&GeneralForm<'_>, State, StepsAndTouches, f64) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        self.tried.set(self.tried.get() + 1);
+        self.work.count_trial();
         self.with(self.parameters(y), |form| {
             let (time, start, period) = self.start(form, y, begin)?;
             let steps = held_steps(form, (time, &start), period, &begin.holds)?;

@@ -443,15 +443,15 @@ impl Equations for SmoothCurve<'_> {
     }
 
     fn begin_again(&self) {
-        self.motions.begin_again();
+        self.motions.work.begin_again();
     }
 
     fn is_at_limit(&self) -> bool {
-        self.motions.is_at_limit()
+        self.motions.work.is_at_limit()
     }
 
     fn most_points(&self) -> usize {
-        self.motions.most.1
+        self.motions.work.most.1
     }
 
     fn found(&self, point: &Point<Motion>) {
