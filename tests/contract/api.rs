@@ -7,16 +7,17 @@ use std::thread;
 
 use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::jenkins::{Backbone, SymmetricResponse};
-use stick_slip::analysis::{PureSlip, PureSlipCycle, Regime, StickSlip, StickSlipCycle, Transient};
+use stick_slip::analysis::{PureSlip, PureSlipCycle, StickSlip, StickSlipCycle, Transient};
 use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::orbit::{BifurcationKind, LyapunovExponent, Orbit, Period};
 use stick_slip::{
-    AnyLaw, Backlash, Coulomb, CycleKind, CycleSet, Direction, Element, EnergyBudget, Equilibrium,
-    Error, Event, EventKind, Exponential, FirstOrder, Flow, ForceElement, FrictionLaw, Integrator,
-    Iwan4, LimitCycle, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring,
-    Rational, Reached, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Step, Stop,
-    Stribeck, Tabulated, TabulatedForce, Trajectory, VanDerPol, structure,
+    AnyLaw, AttractorKind, Backlash, Coulomb, CycleKind, CycleSet, Direction, Element,
+    EnergyBudget, Equilibrium, Error, Event, EventKind, Exponential, FirstOrder, Flow,
+    ForceElement, FrictionLaw, Integrator, Iwan4, LimitCycle, MassOnBelt, Mode, Pendulum, Physical,
+    Polynomial, PolynomialSpring, Rational, Reached, Scalar, Scaled, Scaling, SnapThrough,
+    Stability, State, Step, Stop, Stribeck, Tabulated, TabulatedForce, Trajectory, VanDerPol,
+    structure,
 };
 
 #[test]
@@ -83,7 +84,7 @@ fn types_have_the_common_traits() {
     name::<Stability>();
     name::<CycleKind>();
     name::<Criticality>();
-    name::<Regime>();
+    name::<AttractorKind>();
 
     shown::<Error>();
     shown::<Reached>();
