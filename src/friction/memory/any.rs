@@ -43,28 +43,28 @@ pub enum AnyContactLaw<L> {
     RateState(RateState),
 }
 
-impl<L> From<Dwell<L>> for AnyContactLaw<L> {
-    fn from(law: Dwell<L>) -> Self {
-        Self::Dwell(law)
-    }
+macro_rules! from_law {
+    ($($name:ident($law:ty))*) => {$(
+        impl<L> From<$law> for AnyContactLaw<L> {
+            fn from(law: $law) -> Self {
+                Self::$name(law)
+            }
+        }
+    )*};
 }
+from_law!(Dwell(Dwell<L>) Dahl(Dahl) LuGre(LuGre<L>) RateState(RateState));
 
-impl<L> From<Dahl> for AnyContactLaw<L> {
-    fn from(law: Dahl) -> Self {
-        Self::Dahl(law)
-    }
-}
-
-impl<L> From<LuGre<L>> for AnyContactLaw<L> {
-    fn from(law: LuGre<L>) -> Self {
-        Self::LuGre(law)
-    }
-}
-
-impl<L> From<RateState> for AnyContactLaw<L> {
-    fn from(law: RateState) -> Self {
-        Self::RateState(law)
-    }
+/// Evaluates one expression with a dry law, another with the law of any other variant.
+macro_rules! for_each {
+    ($any:expr, dry $dry:pat => $of_dry:expr, $law:ident => $result:expr) => {
+        match $any {
+            AnyContactLaw::Dry($dry) => $of_dry,
+            AnyContactLaw::Dwell($law) => $result,
+            AnyContactLaw::Dahl($law) => $result,
+            AnyContactLaw::LuGre($law) => $result,
+            AnyContactLaw::RateState($law) => $result,
+        }
+    };
 }
 
 impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
@@ -72,35 +72,21 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
 
     #[inline]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> S {
-        match self {
-            Self::Dry(law) => ContactLaw::coefficient(law, slip, []),
-            Self::Dwell(law) => law.coefficient(slip, memory),
-            Self::Dahl(law) => law.coefficient(slip, memory),
-            Self::LuGre(law) => law.coefficient(slip, memory),
-            Self::RateState(law) => law.coefficient(slip, memory),
-        }
+        for_each!(self,
+            dry law => ContactLaw::coefficient(law, slip, []),
+            law => law.coefficient(slip, memory))
     }
 
     #[inline]
     fn limit<S: Scalar>(&self, zero: S, memory: [S; 1]) -> Option<S> {
-        match self {
-            Self::Dry(law) => law.limit(zero, []),
-            Self::Dwell(law) => law.limit(zero, memory),
-            Self::Dahl(law) => law.limit(zero, memory),
-            Self::LuGre(law) => law.limit(zero, memory),
-            Self::RateState(law) => law.limit(zero, memory),
-        }
+        for_each!(self, dry law => law.limit(zero, []), law => law.limit(zero, memory))
     }
 
     #[inline]
     fn rates<S: Scalar>(&self, motion: Motion<S>, load: S, memory: [S; 1]) -> [S; 1] {
-        match self {
-            Self::Dry(_) => memory.map(|number| number.constant(0.0)),
-            Self::Dwell(law) => law.rates(motion, load, memory),
-            Self::Dahl(law) => law.rates(motion, load, memory),
-            Self::LuGre(law) => law.rates(motion, load, memory),
-            Self::RateState(law) => law.rates(motion, load, memory),
-        }
+        for_each!(self,
+            dry _ => memory.map(|number| number.constant(0.0)),
+            law => law.rates(motion, load, memory))
     }
 
     #[inline]
@@ -110,15 +96,12 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
         load: S,
         memory: [S; 1],
     ) -> (S, [S; 1]) {
-        match self {
-            Self::Dahl(law) => law.coefficient_and_rates(slip, load, memory),
-            Self::LuGre(law) => law.coefficient_and_rates(slip, load, memory),
-            Self::RateState(law) => law.coefficient_and_rates(slip, load, memory),
-            Self::Dry(_) | Self::Dwell(_) => {
-                let coefficient = self.coefficient(slip, memory);
+        for_each!(self,
+            dry law => {
+                let coefficient = ContactLaw::coefficient(law, slip, []);
                 (coefficient, self.rates(Motion::Slip(slip), load, memory))
-            }
-        }
+            },
+            law => law.coefficient_and_rates(slip, load, memory))
     }
 
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
@@ -132,31 +115,22 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
     }
 
     fn creeps(&self) -> bool {
-        matches!(self, Self::RateState(_))
+        for_each!(self, dry _ => false, law => law.creeps())
     }
 
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        match self {
-            Self::Dwell(law) => law.caught(memory),
-            _ => memory,
-        }
+        for_each!(self, dry _ => memory, law => law.caught(memory))
     }
 
     fn named(&self) -> Option<NamedLaw> {
-        match self {
-            Self::Dry(law) => Some(NamedLaw::Contact(AnyContactLaw::Dry(law.any(Own)?))),
-            Self::Dwell(law) => law.named(),
-            Self::Dahl(law) => law.named(),
-            Self::LuGre(law) => law.named(),
-            Self::RateState(law) => law.named(),
-        }
+        for_each!(self,
+            dry law => Some(NamedLaw::Contact(AnyContactLaw::Dry(law.any(Own)?))),
+            law => law.named())
     }
 
     fn dry_slip(&self, direction: f64) -> Option<LawRef<'_>> {
-        match self {
-            Self::Dry(law) => law.dry_slip(direction),
-            Self::Dwell(law) => law.dry_slip(direction),
-            Self::Dahl(_) | Self::LuGre(_) | Self::RateState(_) => None,
-        }
+        for_each!(self,
+            dry law => law.dry_slip(direction),
+            law => law.dry_slip(direction))
     }
 }
