@@ -1,8 +1,5 @@
 //! Reading of force laws (feature `serde`), as of friction laws.
 
-use serde::Deserialize;
-
-use crate::error::Error;
 use crate::friction::read::read;
 
 read! {

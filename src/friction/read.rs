@@ -2,24 +2,25 @@
 //! which they are written, and is checked by its constructor. Fields that are not parameters are
 //! refused.
 
-use serde::Deserialize;
-
-use super::FrictionLaw;
-use crate::error::Error;
-
 /// Defines a struct with the parameters of the law of the same name, and the conversion into the
-/// law. For force laws too.
+/// law, which may be generic over other laws. For force laws and systems too.
 macro_rules! read {
-    ($($name:ident { $($(#[$attribute:meta])? $field:ident: $type:ty),* } => $make:expr;)*) => {$(
-        #[derive(Deserialize)]
+    ($(
+        $name:ident $(<$($law:ident),*>)? { $($(#[$attribute:meta])? $field:ident: $type:ty),* }
+            => $make:expr;
+    )*) => {$(
+        #[derive(serde::Deserialize)]
         #[serde(deny_unknown_fields)]
-        pub(super) struct $name {
+        pub(super) struct $name $(<$($law),*>)? {
             $($(#[$attribute])? $field: $type,)*
         }
 
-        impl TryFrom<$name> for super::$name {
-            type Error = Error;
-            fn try_from($name { $($field),* }: $name) -> Result<Self, Error> {
+        impl $(<$($law: $crate::friction::FrictionLaw),*>)? TryFrom<$name $(<$($law),*>)?>
+            for super::$name $(<$($law),*>)?
+        {
+            type Error = $crate::error::Error;
+            fn try_from(read: $name $(<$($law),*>)?) -> Result<Self, Self::Error> {
+                let $name { $($field),* } = read;
                 $make
             }
         }
@@ -56,18 +57,5 @@ read! {
             None => Ok(law),
         }
     };
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Scaled<L> {
-    law: L,
-    velocity_unit: f64,
-}
-
-impl<L: FrictionLaw> TryFrom<Scaled<L>> for super::Scaled<L> {
-    type Error = Error;
-    fn try_from(Scaled { law, velocity_unit }: Scaled<L>) -> Result<Self, Error> {
-        Self::new(law, velocity_unit)
-    }
+    Scaled<L> { law: L, velocity_unit: f64 } => Self::new(law, velocity_unit);
 }

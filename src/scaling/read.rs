@@ -1,26 +1,15 @@
-//! Deserialisation of a scaling (feature `serde`), through the checks of its constructor.
-
-use serde::Deserialize;
+//! Deserialization of a scaling (feature `serde`), through the checks of its constructor.
 
 use super::Physical;
-use crate::error::Error;
+use crate::friction::read::read;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Scaling {
-    physical: Physical,
-    /// N/K unless given.
-    #[serde(default)]
-    length: Option<f64>,
-}
-
-impl TryFrom<Scaling> for super::Scaling {
-    type Error = Error;
-    fn try_from(Scaling { physical, length }: Scaling) -> Result<Self, Error> {
+read! {
+    Scaling { physical: Physical, #[serde(default)] length: Option<f64> } => {
         let scaling = Self::new(physical)?;
+        // N/K unless given.
         match length {
             Some(length) => scaling.with_length(length),
             None => Ok(scaling),
         }
-    }
+    };
 }

@@ -40,20 +40,15 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(
-        into = "super::read::Directional<F, B>",
-        try_from = "super::read::Directional<F, B>"
-    ),
-    serde(bound(
-        serialize = "F: Clone + serde::Serialize, B: Clone + serde::Serialize",
-        deserialize = "F: FrictionLaw + serde::Deserialize<'de>, \
-                       B: FrictionLaw + serde::Deserialize<'de>"
-    ))
+    serde(try_from = "super::read::Directional<F, B>"),
+    serde(bound(deserialize = "F: FrictionLaw + serde::Deserialize<'de>, \
+                               B: FrictionLaw + serde::Deserialize<'de>"))
 )]
 pub struct Directional<F, B> {
-    pub(super) forward: F,
-    pub(super) backward: B,
+    forward: F,
+    backward: B,
     /// The breakpoints of both laws, each with the number of those of each law up to there.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     breakpoints: Vec<(f64, [usize; 2])>,
 }
 

@@ -7,41 +7,14 @@ use super::dwell::Rise;
 use super::rate_state::Evolution;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
+use crate::friction::read::read;
 
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Directional<F, B> {
-    forward: F,
-    backward: B,
-}
-
-impl<F, B> From<super::Directional<F, B>> for Directional<F, B> {
-    fn from(law: super::Directional<F, B>) -> Self {
-        Self {
-            forward: law.forward,
-            backward: law.backward,
-        }
-    }
-}
-
-impl<F: FrictionLaw, B: FrictionLaw> TryFrom<Directional<F, B>> for super::Directional<F, B> {
-    type Error = Error;
-    fn try_from(read: Directional<F, B>) -> Result<Self, Error> {
-        Self::new(read.forward, read.backward)
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Freewheel<L> {
-    drag: L,
-}
-
-impl<L: FrictionLaw> TryFrom<Freewheel<L>> for super::Freewheel<L> {
-    type Error = Error;
-    fn try_from(read: Freewheel<L>) -> Result<Self, Error> {
-        Self::new(read.drag)
-    }
+read! {
+    Directional<F, B> { forward: F, backward: B } => Self::new(forward, backward);
+    Freewheel<L> { drag: L } => Self::new(drag);
+    LuGre<L> {
+        law: L, stiffness: f64, #[serde(default)] damping: f64, #[serde(default)] viscous: f64
+    } => Self::new(law, stiffness, damping, viscous);
 }
 
 #[derive(Serialize, Deserialize)]
@@ -109,24 +82,6 @@ impl TryFrom<Dahl> for super::Dahl {
     type Error = Error;
     fn try_from(read: Dahl) -> Result<Self, Error> {
         Self::new(read.coefficient, read.stiffness)
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LuGre<L> {
-    law: L,
-    stiffness: f64,
-    #[serde(default)]
-    damping: f64,
-    #[serde(default)]
-    viscous: f64,
-}
-
-impl<L: FrictionLaw> TryFrom<LuGre<L>> for super::LuGre<L> {
-    type Error = Error;
-    fn try_from(read: LuGre<L>) -> Result<Self, Error> {
-        Self::new(read.law, read.stiffness, read.damping, read.viscous)
     }
 }
 
