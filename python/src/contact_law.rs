@@ -24,11 +24,11 @@ pub struct PyContactLaw {
 /// A contact law with the type of its dry law.
 #[derive(Clone)]
 pub enum AnyContactLaw {
-    /// For slip forward and backward.
+    /// The laws of slip forward and backward.
     Directional(Plain, Plain),
-    /// With the law of its drag.
+    /// The law of its drag.
     Freewheel(Plain),
-    /// With how static friction rises, which the crate's law does not tell.
+    /// The law, and how static friction rises, which the crate's law does not tell.
     DwellNamed(Dwell<AnyLaw>, Rise),
     DwellTraced(Dwell<Traced>),
     Dahl(Dahl),

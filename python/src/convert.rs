@@ -371,7 +371,7 @@ pub fn float(number: f64) -> String {
     }
 }
 
-/// At most so many characters of a float, for lines that are read and not computed with.
+/// A float in few characters, for lines that are read and not computed with.
 pub fn short(number: f64) -> String {
     let text = float(number);
     if text.len() <= 10 {

@@ -683,7 +683,7 @@ impl Along {
 
 #[pymethods]
 impl Along {
-    /// For the collector of cycles: a family may hold its own search.
+    /// Visits the family for the collector of cycles: it may hold its own search.
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         visit.call(&self.family)?;
         visit.call(&self.progress)

@@ -21,7 +21,7 @@ use crate::waiting::{Options, Waiting, options, work};
 #[derive(Clone)]
 pub enum AnyMotion {
     Belt(Arc<Trajectory>),
-    /// With the structure that moves, for forces and energies.
+    /// A motion with the structure that moves, for forces and energies.
     Structure(Arc<Trajectory<structure::State>>, Option<Arc<Structure>>),
 }
 

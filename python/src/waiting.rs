@@ -16,7 +16,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// The progress of a search, given to the function `progress`.
 #[pyclass(frozen, get_all, module = "stick_slip")]
 pub struct Progress {
-    /// In a search along a parameter: the value being tried. In a search on one system: the time
+    /// The value being tried, in a search along a parameter; in a search on one system the time
     /// that the motion has reached, in units of time.
     pub value: f64,
     /// The second parameter of a search over two, otherwise None.
@@ -77,7 +77,7 @@ pub fn options(
 }
 
 impl Options {
-    /// For a search whose values are in other units than those of its caller.
+    /// Adapts the progress of a search whose values are in other units than those of its caller.
     pub fn in_units_of(self, unit: f64) -> Self {
         Self { unit, ..self }
     }

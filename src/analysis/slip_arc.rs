@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::numerics::bracket::root_between;
 
-/// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
+/// The damping ratio below which θ = √(4πβ) and Λ = 1/θ to rounding: relative errors are O(β).
 pub(super) const SMALL: f64 = 1e-17;
 
 /// A stick-slip cycle under constant kinetic friction, in closed form except for one scalar root.

@@ -95,7 +95,7 @@ impl Harmonic {
 
 /// sin Ωt and cos Ωt of the exact time.
 fn sin_cos(time: Clock, frequency: f64) -> (f64, f64) {
-    /// Below this the cosine of a remainder is 1 and its sine is itself, to rounding.
+    /// The remainder below which its cosine is 1 and its sine is itself, to rounding.
     const SMALL: f64 = 1e-8;
     let (phase, rest) = time.times(frequency);
     let (sine, cosine) = phase.sin_cos();

@@ -183,7 +183,7 @@ impl SteadySliding {
             .all(|eigenvalue| eigenvalue.re < 0.0)
     }
 
-    /// Near steady sliding.
+    /// The result from the field near steady sliding.
     pub(super) fn of(field: SlidingField<'_, '_>) -> Result<Self, Error> {
         let found = field.eigenvalues();
         let (spectrum, idle) = found.ok_or(Error::NoSteadySliding(NotSliding::Eigenvalues))?;

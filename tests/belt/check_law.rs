@@ -41,7 +41,7 @@ friction_law! {
 }
 
 friction_law! {
-    /// On a law that falls: .3 + .2 exp(−s/.7) + height exp(−((s − at)/width)²).
+    /// A bump on a law that falls: .3 + .2 exp(−s/.7) + height exp(−((s − at)/width)²).
     BumpOnFall { at, width, height }: 0.5 + height,
     |s| (s * (-1.0 / 0.7)).exp() * 0.2 + 0.3 + (-((s - at) / width).square()).exp() * height
 }

@@ -117,7 +117,7 @@ trait Known {
     fn derivative(&self, order: usize, speed: f64) -> f64;
     fn slope(&self, speed: f64) -> f64;
     fn curvature(&self, speed: f64) -> f64;
-    /// From rest, on a belt of velocity [`BELT`].
+    /// The motion from rest, on a belt of velocity [`BELT`].
     fn motion(&self, duration: f64) -> Trajectory;
 }
 

@@ -202,7 +202,7 @@ fn laws() -> Vec<AnyLaw> {
     ]
 }
 
-/// From rest at X = 0 for half a second (16 oscillations).
+/// The motion from rest at X = 0 for half a second (16 oscillations).
 fn from_rest<'l>(
     scaling: &Scaling,
     law: &'l AnyLaw,

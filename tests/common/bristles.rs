@@ -88,7 +88,7 @@ pub struct Block {
 /// q, the sliding speed s and z.
 type Point = [f64; 3];
 
-/// Below all speeds over which a law of these tests changes.
+/// A speed below all over which a law of these tests changes.
 const SLOWEST: f64 = 1e-6;
 
 const SIZE: usize = 3 * STAGES;
@@ -263,7 +263,7 @@ impl<'b> Radau<'b> {
         Some((end, error / 256.0, first || second))
     }
 
-    /// At r = 0 the motion decides on its side.
+    /// The motion decides on its side at r = 0.
     fn turn(&mut self) {
         let rate = self.side.signum() * self.rate([self.point[0], 0.0, self.point[2]])[1];
         let rate = if rate == 0.0 { -self.block.belt } else { rate };

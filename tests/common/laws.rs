@@ -41,8 +41,8 @@ macro_rules! friction_law {
     (% $law:ident [$($number:ident),*]) => { let Self { $($number),* } = *$law; };
 }
 
-/// Of a contact law with so many memory variables: they stay when the contact sticks, and no speed
-/// is a breakpoint.
+/// Functions of a contact law with so many memory variables: they stay when the contact sticks, and
+/// no speed is a breakpoint.
 #[macro_export]
 macro_rules! memory_stays {
     ($count:literal) => {

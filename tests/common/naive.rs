@@ -26,7 +26,7 @@ pub struct Question {
 /// 0 sticks, ±1 slips with that sign.
 pub type Pattern = Vec<i8>;
 
-/// Of two numbers backward and forward, that of a sign.
+/// The one of two numbers backward and forward that belongs to a sign.
 pub fn on_side(pair: [f64; 2], side: i8) -> f64 {
     pair[usize::from(side > 0)]
 }
@@ -73,7 +73,7 @@ impl Question {
         Some((forces, accelerations))
     }
 
-    /// By how much the pattern keeps all its conditions, in units of force; negative if it breaks
+    /// The force by which the pattern keeps all its conditions; negative if it breaks
     /// one.
     fn margin(&self, pattern: &[i8], bounds: &[[f64; 2]], slipping: &[[f64; 2]]) -> Option<f64> {
         let (forces, accelerations) = self.solve(pattern, slipping)?;

@@ -62,7 +62,7 @@ impl PlainDrive {
         drive
     }
 
-    /// Of any kind, about as large as `size`.
+    /// A function of any kind, about as large as `size`.
     fn random(random: &mut Random, size: f64, jumps: bool) -> Self {
         let mut drive = Self::constant(size * random.uniform(-1.0, 1.0));
         for _ in 0..random.bits() % 3 {

@@ -49,7 +49,7 @@ impl Polynomials {
         }
     }
 
-    /// With one more part, Σ c_k (s − from)^k from this speed on.
+    /// Adds one more part, Σ c_k (s − from)^k from this speed on.
     pub fn then(mut self, from: f64, coefficients: &[f64]) -> Self {
         self.parts.push(Part {
             from,

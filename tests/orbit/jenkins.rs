@@ -102,7 +102,7 @@ fn responses_are_orbits() {
     assert!(sticking > 10, "{sticking}");
 }
 
-/// By sum and product, which are smooth where two multipliers meet.
+/// Compares two multipliers by sum and product, which are smooth where they meet.
 fn same_multipliers(one: &[Complex<f64>], other: &[Complex<f64>], given: &Given) {
     assert_eq!(one.len(), other.len(), "{given:?}");
     let sum = |all: &[Complex<f64>]| all[0] + all[1];

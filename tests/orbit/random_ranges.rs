@@ -165,7 +165,7 @@ impl Family {
         Ok(row)
     }
 
-    /// At rest, moving with the belt, displaced, thrown.
+    /// Starts at rest, moving with the belt, displaced, thrown.
     fn starts(&self, random: &mut Random) -> [State; 4] {
         let n = self.masses.len();
         let rest = State::at_rest(n);
@@ -185,7 +185,7 @@ impl Family {
 #[derive(Debug, Clone)]
 struct Reached {
     kind: AttractorKind,
-    /// In units of that of the drives, or of time.
+    /// The period, in units of that of the drives, or of time.
     period: f64,
     /// Range of each displacement.
     sizes: Vec<f64>,

@@ -25,7 +25,7 @@ fn row(n: usize) -> Result<Structure, Error> {
     })
 }
 
-/// With the numbers of steps and of events.
+/// A name, a system, and the numbers of steps and of events.
 type Case = (&'static str, Structure, [usize; 2]);
 
 fn structures() -> Result<Vec<Case>, Error> {

@@ -78,7 +78,7 @@ fn definite(random: &mut Random, n: usize, least: f64, size: f64) -> DMatrix<f64
 }
 
 impl Given {
-    /// Of up to three coordinates and four elastic contacts, and up to as many rigid ones as
+    /// A system of up to three coordinates, four elastic contacts, and as many rigid ones as
     /// coordinates.
     fn random(random: &mut Random) -> Self {
         let n = 1 + (random.bits() % 3) as usize;

@@ -152,9 +152,9 @@ struct Spoilt {
     limit: Option<f64>,
     /// Forward and backward.
     coefficients: [f64; 2],
-    /// In stick, forward and backward.
+    /// The rates in stick, forward and backward.
     rates: [f64; 3],
-    /// By how much the law jumps at speed 1, backward.
+    /// The jump of the law at speed 1, backward.
     jump: f64,
 }
 

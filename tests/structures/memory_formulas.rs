@@ -25,7 +25,7 @@ fn oscillator(law: Dwell<Coulomb>, damping_ratio: f64) -> DwellOscillator {
     }
 }
 
-/// Of each form, with and without a jump from kinetic to static friction.
+/// Laws of each form, with and without a jump from kinetic to static friction.
 fn laws() -> Vec<Dwell<Coulomb>> {
     let mut laws = Vec::new();
     for jump in [0.0, 0.05] {

@@ -38,7 +38,7 @@ fn steep(random: &mut Random, i: usize) -> (AnyLaw, f64) {
 /// The error of a time that is accepted, relative from time 1 on.
 const TIMES: f64 = 1e-12;
 
-/// At most so many more steps than on a belt.
+/// Checks that there are at most so many more steps than on a belt.
 fn assert_as_few(found: usize, expected: usize, about: &str) {
     assert!(
         2 * found <= 3 * expected + 30,

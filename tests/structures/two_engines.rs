@@ -18,7 +18,7 @@ const ACCURACY: f64 = 1e-13;
 struct Compared {
     motions: usize,
     events: usize,
-    /// In parts of what is allowed.
+    /// The largest errors, in parts of what is allowed.
     worst: Worst,
 }
 

@@ -12,7 +12,7 @@ pub struct Blocks<L> {
     laws: [L; 2],
     loads: [f64; 2],
     stiffness: [[f64; 2]; 2],
-    /// Of each to the ground.
+    /// The dampers of each to the ground.
     damping: [f64; 2],
     belt_velocity: f64,
 }

@@ -73,9 +73,9 @@ pub(crate) struct Judged {
 /// How far two motions are apart, in parts of themselves.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Apart {
-    /// Of the last states: |Δu|/max(|u|, |v|, |v_b|) or |Δv|/max(|v|, |v_b|).
+    /// The distance of the last states: |Δu|/max(|u|, |v|, |v_b|) or |Δv|/max(|v|, |v_b|).
     pub(crate) state: f64,
-    /// Of the states that the events' times stand for; infinite if other events happen.
+    /// That of the states that the events' times stand for; infinite if other events happen.
     pub(crate) time: f64,
 }
 
@@ -312,7 +312,7 @@ impl Trial<'_> {
         }
     }
 
-    /// By how much the rounding of load, damping and duration moves a motion.
+    /// The distance by which the rounding of load, damping and duration moves a motion.
     fn by_data(&self, start: State, motion: &Motion) -> Apart {
         let system = |load, damping| self.system.clone().with_load(load)?.with_damping(damping);
         let (load, damping) = (self.system.load(), self.system.damping());
@@ -327,7 +327,7 @@ impl Trial<'_> {
         })
     }
 
-    /// By how much that of the state at the start of a step does.
+    /// The distance by which that of the state at the start of a step does.
     ///
     /// Both motions are followed from there: what the integrator itself gets wrong is in both.
     fn by_state(&self, (from, state, mode): (f64, State, Mode)) -> Apart {

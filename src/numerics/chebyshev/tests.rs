@@ -84,7 +84,7 @@ fn close_pairs_are_split_and_flat_functions_have_no_root() {
     assert_eq!(roots(|x| (x - 1.1).powi(3)).len(), 1);
 }
 
-/// Of an even number of roots between two neighbouring places the values show nothing. The last
+/// The values show nothing of an even number of roots between two neighbouring places. The last
 /// coefficients of the logarithm are 0 where the roots lie midway.
 #[test]
 fn a_pair_is_found_between_any_two_places() {

@@ -167,7 +167,7 @@ pub enum LocusEnd {
     /// The curve ends at its last special point, for example a 1:1 resonance. Beyond this point the
     /// bifurcation is of another kind.
     Special,
-    /// Beyond the last point the motion has other events, and the motion or its derivative jumps
+    /// The motion has other events beyond the last point, and the motion or its derivative jumps
     /// there. No curve of this kind continues.
     Jump,
     /// The motion shrank to a point: steady sliding has a Hopf bifurcation at these parameters. At

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-10;
 
 /// Eigenvalues of steady sliding.
 pub(crate) struct Spectrum {
-    /// By falling real part, then by falling imaginary part.
+    /// The eigenvalues, by falling real part, then by falling imaginary part.
     pub(crate) values: Vec<Complex<f64>>,
     /// The number of them in the right half plane, with those of rounding left out.
     pub(crate) growing: usize,

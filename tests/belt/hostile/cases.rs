@@ -96,7 +96,7 @@ fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     (low.log10()..high.log10()).prop_map(|x: f64| 10.0_f64.powf(x))
 }
 
-/// Between 0 and 1, the ends often.
+/// A number between 0 and 1, the ends often.
 fn part() -> impl Strategy<Value = f64> + Clone {
     prop_oneof![1 => Just(0.0), 1 => Just(1.0), 6 => 0.0..1.0]
 }
