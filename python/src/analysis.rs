@@ -976,9 +976,10 @@ impl PureSlip {
     #[new]
     fn new(system: &PyBelt) -> PyResult<Self> {
         let found = analysis::PureSlip::new(&of_polynomial(system)?);
-        found
-            .map(Self)
-            .ok_or_else(|| PyValueError::new_err("the belt is at rest"))
+        found.map(Self).ok_or_else(|| {
+            let why = "the belt is at rest, or a coefficient of the formulas is beyond floats";
+            PyValueError::new_err(why)
+        })
     }
 
     /// The strength of friction, Eq. 11.
@@ -1143,9 +1144,11 @@ impl StickSlip {
     fn new(system: &PyBelt) -> PyResult<Self> {
         let found: Option<analysis::StickSlip> =
             with_system!(system, system => analysis::StickSlip::new(system))?;
-        found
-            .map(Self)
-            .ok_or_else(|| PyValueError::new_err("the belt is at rest"))
+        found.map(Self).ok_or_else(|| {
+            let why = "the formulas need a moving belt and a finite kappa > 0: friction that falls \
+                 from rest to the belt velocity by more than the damper's force there";
+            PyValueError::new_err(why)
+        })
     }
 
     /// The drop of friction from rest to the speed of the belt, less the force of the damper at
@@ -1191,12 +1194,14 @@ impl StickSlip {
         self.0.frequency()
     }
 
-    /// The cycle to first order, for the law Polynomial; None otherwise.
+    /// The cycle to first order, for laws that are cubic up to its fastest slip, as Polynomial is;
+    /// None otherwise.
     fn first_order(&self) -> Option<StickSlipCycle> {
         self.0.first_order().map(StickSlipCycle::from)
     }
 
-    /// The cycle to second order, for the law Polynomial; None otherwise.
+    /// The cycle to second order, for laws that are cubic up to its fastest slip, as Polynomial is;
+    /// None otherwise.
     fn second_order(&self) -> Option<StickSlipCycle> {
         self.0.second_order().map(StickSlipCycle::from)
     }

@@ -322,7 +322,9 @@ impl PyMotion {
         let py = times.py();
         let times = times_of(times)?;
         let AnyMotion::Structure(motion, _) = &self.0 else {
-            return Ok(Table::new(0).into_pyobject(py)?.into_any());
+            let mut none = Table::new(0);
+            times.iter().for_each(|_| none.push(&[]));
+            return Ok(none.into_pyobject(py)?.into_any());
         };
         let [memory] = py.detach(|| sample_structure(motion, &times, |state| [&state.memory]));
         Ok(memory.into_pyobject(py)?.into_any())

@@ -47,6 +47,8 @@ def test_stick_slip() -> None:
     # Every law, one's own too, has the formulas that need no cubic.
     own = ss.Law(lambda s: 0.3 + 0.1 * np.exp(-s), static=0.4)
     assert analysis.StickSlip(ss.MassOnBelt(own, 0.2)).amplitude > 0
+    with pytest.raises(ValueError, match="kappa > 0"):
+        analysis.StickSlip(ss.MassOnBelt(ss.Coulomb(0.3, 0.3), 0.2))
 
 
 def test_averaging() -> None:

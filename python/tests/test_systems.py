@@ -69,6 +69,7 @@ def test_samples_modes_and_events() -> None:
     assert motion.ended == "duration" and motion.end_time == motion.duration == 10.0
     for times in (range(5), [0, 1], np.float32([0.5, 1.5]), np.array([0.5]), [0.5], np.zeros(0)):
         assert motion.sample(times)[0].shape == (len(times),)
+        assert motion.sample_memory(times).shape == (len(times), 0)
     for time in (1, np.float64(0.5), np.array(0.5)):
         assert isinstance(motion.sample(time)[0], float)
     assert isinstance(LAW.kinetic(np.array([0.5])), np.ndarray)

@@ -38,9 +38,6 @@ pub(super) struct Control {
     pub(super) pause: u32,
     /// The series of the last pass to the slow manifold.
     pub(super) pass_before: Vec<PowerSeries>,
-    /// The contacts whose memories, and whose speeds, were set to be slow in the last trial.
-    pub(super) begun: Vec<usize>,
-    pub(super) begun_speeds: Vec<usize>,
     /// The contacts with slow speeds in the last trial.
     pub(super) stiff: Stiff,
     /// The errors that the last step left in the speeds of contacts, if they were slow.
@@ -93,8 +90,6 @@ impl Control {
             steps_to_trial: 0,
             pause: 0,
             pass_before: Vec::with_capacity(model.len() + model.remembered()),
-            begun: Vec::with_capacity(model.contacts.len()),
-            begun_speeds: Vec::new(),
             stiff: Stiff::default(),
             errors_left: Vec::new(),
             plan: Plan::default(),

@@ -96,12 +96,13 @@ pub(super) fn relax(
         situation,
         series,
         control,
+        explicit,
         with_memories: !waits,
     };
-    let trial = slow.trial(explicit);
+    let trial = slow.trial();
+    let worth = slow.worth();
     let settles = series.contacts.iter().any(|of| of.settling > 0.0);
     let relaxes = series.contacts.iter().any(|of| of.relaxation > 0.0);
-    let worth = if settles { WORTH_OF_SPEEDS } else { WORTH };
     let is_taken = trial.best >= worth * explicit && (settles || relaxes);
     if trial.of_memories {
         control.pause = match is_taken && relaxes {
@@ -136,8 +137,17 @@ struct Slow<'a, 's> {
     situation: &'a Situation,
     series: &'a mut Series,
     control: &'a mut Control,
+    /// The reach of the explicit series.
+    explicit: f64,
     /// Whether memories may be slow.
     with_memories: bool,
+}
+
+/// A sliding speed, or else a memory, that relaxes at a rate D.
+struct Relaxing {
+    contact: usize,
+    is_speed: bool,
+    rate: f64,
 }
 
 /// What came of a trial.
@@ -153,40 +163,51 @@ struct Trial {
 impl Slow<'_, '_> {
     /// Tries what relaxes well within the reach of the explicit series, then what relaxes within
     /// that of the slow ones.
-    fn trial(&mut self, explicit: f64) -> Trial {
+    fn trial(&mut self) -> Trial {
         let mut trial = Trial {
-            best: explicit,
+            best: self.explicit,
             ..Trial::default()
         };
         // After the stiffest contacts, the next stiffest may limit the step.
-        while self.begin(trial.best) {
-            trial.of_memories |= !self.control.begun.is_empty();
-            trial.of_speeds |= !self.control.begun_speeds.is_empty();
+        loop {
+            let begun = self.relaxing(trial.best);
+            if begun.is_empty() {
+                break;
+            }
+            self.mark(&begun, |of| of.rate);
+            trial.of_memories |= begun.iter().any(|of| !of.is_speed);
+            trial.of_speeds |= begun.iter().any(|of| of.is_speed);
             if let Some(slow) = self.slow_series(trial.best) {
                 trial.best = slow;
                 continue;
             }
-            for &c in &self.control.begun {
-                self.series.contacts[c].relaxation = 0.0;
-            }
-            for &c in &self.control.begun_speeds {
-                self.series.contacts[c].settling = 0.0;
-            }
+            self.mark(&begun, |_| 0.0);
             // The same as before.
             let mut contacts = self.series.contacts.iter();
             if contacts.any(|of| of.relaxation > 0.0 || of.settling > 0.0) {
-                trial.best = self.slow_series(0.0).unwrap_or(explicit);
+                trial.best = self.slow_series(0.0).unwrap_or(self.explicit);
             }
             break;
         }
         trial
     }
 
-    /// Marks the speeds and the memories that relax well within `reach` as slow; returns true if
-    /// there are any.
-    fn begin(&mut self, reach: f64) -> bool {
-        self.control.begun.clear();
-        self.control.begun_speeds.clear();
+    /// The rates of what is slow from now on.
+    fn mark(&mut self, all: &[Relaxing], rate: impl Fn(&Relaxing) -> f64) {
+        for of in all {
+            let contact = &mut self.series.contacts[of.contact];
+            let slow = if of.is_speed {
+                &mut contact.settling
+            } else {
+                &mut contact.relaxation
+            };
+            *slow = rate(of);
+        }
+    }
+
+    /// The speeds and the memories that relax well within `reach` and are not slow yet.
+    fn relaxing(&self, reach: f64) -> Vec<Relaxing> {
+        let mut all = Vec::new();
         let plan = &self.control.plan;
         let waiting = std::iter::zip(&self.series.contacts, &plan.stiff);
         let waiting = waiting.filter(|(contact, _)| contact.settling == 0.0);
@@ -212,7 +233,7 @@ impl Slow<'_, '_> {
                 false => own,
             }
         };
-        for (c, contact) in self.series.contacts.iter_mut().enumerate() {
+        for (c, contact) in self.series.contacts.iter().enumerate() {
             // Several variables of one contact may be stiff together.
             let state = &self.situation.contacts[c];
             let Phase::Slip { speed, rate, .. } = state.phase else {
@@ -224,8 +245,11 @@ impl Slow<'_, '_> {
             let settling = plan.stiff[c];
             let begins = settling > slowest || together(c) * reach > SETTLING;
             if begins && contact.settling == 0.0 && rate.is_none() {
-                contact.settling = settling;
-                self.control.begun_speeds.push(c);
+                all.push(Relaxing {
+                    contact: c,
+                    is_speed: true,
+                    rate: settling,
+                });
             }
             if let (true, [memory], Some(slip), 0.0) = (
                 self.with_memories,
@@ -237,16 +261,19 @@ impl Slow<'_, '_> {
                 let load = contact.load[0] / data.compliance;
                 let rate = relaxation(data.law, (slip, load), *memory);
                 if rate * reach > SETTLING {
-                    contact.relaxation = rate;
-                    self.control.begun.push(c);
+                    all.push(Relaxing {
+                        contact: c,
+                        is_speed: false,
+                        rate,
+                    });
                 }
             }
         }
-        !(self.control.begun.is_empty() && self.control.begun_speeds.is_empty())
+        all
     }
 
     /// The series of the slow manifold, and how far they reach: further than `shorter` by
-    /// [`LONGER`].
+    /// [`LONGER`]. `None` also if they are not worth taking.
     fn slow_series(&mut self, shorter: f64) -> Option<f64> {
         let contacts = std::iter::zip(&mut self.series.contacts, &self.situation.contacts);
         for (contact, state) in contacts.filter(|(contact, _)| contact.relaxation > 0.0) {
@@ -276,6 +303,14 @@ impl Slow<'_, '_> {
         self.control.plan.dropped = self.series.truncate();
         stiff.end_pass(self.series);
         Some(())
+    }
+
+    /// The least ratio of the reach to the explicit one at which the series are taken.
+    fn worth(&self) -> f64 {
+        match self.slow_speeds().next() {
+            Some(_) => WORTH_OF_SPEEDS,
+            None => WORTH,
+        }
     }
 
     /// Passes until the series do not change any more.
@@ -309,7 +344,10 @@ impl Slow<'_, '_> {
                 let moved = moved + 4.0 * (missing - missed).abs();
                 may_have_come &= (now - state.speed()).abs() + missing <= moved + error;
             }
-            if !may_have_come || reach < LONGER * shorter {
+            // The reach hardly changes after the first passes, the last digits need ten.
+            let is_vain =
+                || reach < self.worth() * self.explicit && self.relaxing(reach).is_empty();
+            if !may_have_come || reach < LONGER * shorter || is_vain() {
                 return None;
             }
             let settles_within = |reach: f64| {
