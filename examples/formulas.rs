@@ -16,8 +16,8 @@
 //!
 //! Run it with `cargo run --release -p stick-slip-examples --example formulas`.
 
-use stick_slip::analysis::{PureSlip, StickSlip, regime};
-use stick_slip::{AttractorKind, Error, MassOnBelt, Polynomial, limit_cycle};
+use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
+use stick_slip::{Error, MassOnBelt, Polynomial, limit_cycle};
 
 /// γ² = 1, v_m = 0.5, μ_s = 0.4, μ_m = 0.25, β = 0.05, all friction and damping times `epsilon`.
 fn paper(v_b: f64, epsilon: f64) -> Result<MassOnBelt<Polynomial>, Error> {
@@ -30,7 +30,7 @@ fn paper(v_b: f64, epsilon: f64) -> Result<MassOnBelt<Polynomial>, Error> {
 /// Half the range of u: by the paper's formula and by the corrected formula.
 fn formulas(system: &MassOnBelt<Polynomial>) -> [Option<f64>; 2] {
     match regime(system) {
-        AttractorKind::PureSlip => {
+        Regime::PureSlip => {
             let formulas = PureSlip::new(system);
             let better = formulas.and_then(|f| f.fourth_order());
             [
@@ -38,7 +38,7 @@ fn formulas(system: &MassOnBelt<Polynomial>) -> [Option<f64>; 2] {
                 better.map(|cycle| cycle.amplitude),
             ]
         }
-        AttractorKind::StickSlip => {
+        Regime::StickSlip => {
             let formulas = StickSlip::new(system);
             let better = formulas.as_ref().and_then(|f| f.second_order());
             [

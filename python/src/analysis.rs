@@ -144,7 +144,7 @@ pub fn stabilizing_damping(
 }
 
 /// The kind of motion by the formulas of the source paper, for a system with the law Polynomial:
-/// "rest", "steady sliding", "continuum", "pure slip" or "stick-slip".
+/// "rest", "steady sliding", "pure slip" or "stick-slip".
 #[pyfunction]
 pub fn regime(system: &PyBelt) -> PyResult<String> {
     Ok(analysis::regime(&of_polynomial(system)?).to_string())

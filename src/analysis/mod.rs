@@ -1,16 +1,16 @@
 //! Formulas: closed forms and averaging, each with its source and the order of its error.
 //!
 //! ```
-//! use stick_slip::analysis::{PureSlip, StickSlip, regime};
-//! use stick_slip::{AttractorKind, MassOnBelt, Polynomial};
+//! use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
+//! use stick_slip::{MassOnBelt, Polynomial};
 //!
 //! let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
-//! assert_eq!(regime(&system), AttractorKind::PureSlip);
+//! assert_eq!(regime(&system), Regime::PureSlip);
 //! let cycle = PureSlip::new(&system).and_then(|formulas| formulas.fourth_order()).unwrap();
 //! assert!((cycle.period - 6.32748385).abs() < 1e-8); // exact: 6.32749178
 //!
 //! let slower = system.with_belt_velocity(0.2)?;
-//! assert_eq!(regime(&slower), AttractorKind::StickSlip);
+//! assert_eq!(regime(&slower), Regime::StickSlip);
 //! let cycle = StickSlip::new(&slower).and_then(|formulas| formulas.second_order()).unwrap();
 //! assert!((cycle.v_min + 0.2893).abs() < 1e-4); // exact: −0.2861
 //! # Ok::<(), stick_slip::Error>(())
@@ -92,7 +92,7 @@ mod stick_slip;
 mod transient;
 
 pub use pure_slip::{PureSlip, PureSlipCycle};
-pub use regime::regime;
+pub use regime::{Regime, regime};
 pub use stick_slip::{StickSlip, StickSlipCycle};
 pub use transient::Transient;
 

@@ -15,12 +15,12 @@ use stick_slip::analysis::coulomb::{
 };
 use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::analysis::exponential::hopf_velocities;
-use stick_slip::analysis::{PureSlip, StickSlip, equilibrium, regime};
+use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::analysis::{coulomb, design, exponential, polynomial};
 use stick_slip::bifurcation::Criticality;
 use stick_slip::{
-    AnyLaw, AttractorKind, Coulomb, CycleKind, Dwell, Error, Exponential, FrictionLaw, MassOnBelt,
-    Polynomial, State, Tabulated, limit_cycle,
+    AnyLaw, Coulomb, CycleKind, Dwell, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial,
+    State, Tabulated, limit_cycle,
 };
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
@@ -235,8 +235,8 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     assert!(equilibrium(&resting).is_none());
     assert!(PureSlip::new(&resting).is_none() && StickSlip::new(&resting).is_none());
     assert!(cycles(&resting).unwrap().is_empty());
-    assert_eq!(regime(&resting), AttractorKind::Rest);
-    assert_eq!(regime(&paper(-0.0)), AttractorKind::Rest);
+    assert_eq!(regime(&resting), Regime::Rest);
+    assert_eq!(regime(&paper(-0.0)), Regime::Rest);
 
     // κ = η(1 − (v_b/v_m)²/3) − 2β changes sign at v_b = 0.7637626158…
     assert!(StickSlip::new(&paper(0.7637)).is_some());
@@ -272,7 +272,7 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
         (formulas.grazing_velocity(), formulas.amplitude()),
         (None, None)
     );
-    assert_eq!(regime(&damped), AttractorKind::SteadySliding);
+    assert_eq!(regime(&damped), Regime::Equilibrium);
     assert_eq!(polynomial::quiet_velocity(&damped), Some(0.0));
 
     // 2β = η to the bit, and a hair less.
@@ -288,7 +288,7 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     let flat = MassOnBelt::new(Polynomial::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
     assert_eq!(PureSlip::new(&flat).unwrap().amplitude(), None);
     assert!(StickSlip::new(&flat).is_none());
-    assert_eq!(regime(&flat), AttractorKind::Continuum);
+    assert_eq!(regime(&flat), Regime::PureSlip);
     // Coefficients that overflow.
     let huge = MassOnBelt::new(Polynomial::new(0.4, 0.25, 1e-100).unwrap(), 1e-100).unwrap();
     assert!(PureSlip::new(&huge.with_load(1e250).unwrap()).is_none());
@@ -627,10 +627,10 @@ fn laws_that_do_not_fall_are_quiet() {
     let flat = MassOnBelt::new(Polynomial::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
     assert_eq!(polynomial::silencing_damping_everywhere(&flat), 0.0);
     assert_eq!(polynomial::quiet_velocity(&flat), Some(f64::INFINITY));
-    assert_eq!(regime(&flat), AttractorKind::Continuum);
+    assert_eq!(regime(&flat), Regime::PureSlip);
     let damped = flat.with_damping(1e-300).unwrap();
     assert_eq!(polynomial::quiet_velocity(&damped), Some(0.0));
-    assert_eq!(regime(&damped), AttractorKind::SteadySliding);
+    assert_eq!(regime(&damped), Regime::Equilibrium);
 }
 
 #[test]
@@ -814,10 +814,10 @@ fn regimes_change_at_the_velocities_of_the_formulas() {
     assert_eq!(polynomial::quiet_velocity(&paper(0.2)), Some(onset));
     let touching = formulas.stick_velocity().unwrap();
     for (v_b, expected) in [
-        (touching - 1e-12, AttractorKind::StickSlip),
-        (touching + 1e-12, AttractorKind::PureSlip),
-        (onset - 1e-12, AttractorKind::PureSlip),
-        (onset + 1e-12, AttractorKind::SteadySliding),
+        (touching - 1e-12, Regime::StickSlip),
+        (touching + 1e-12, Regime::PureSlip),
+        (onset - 1e-12, Regime::PureSlip),
+        (onset + 1e-12, Regime::Equilibrium),
     ] {
         assert_eq!(
             (regime(&paper(v_b)), regime(&paper(-v_b))),
@@ -837,17 +837,17 @@ fn regimes_are_known_where_the_coefficients_overflow() {
     // Friction falls below v_m and rises above it.
     assert_eq!(
         (at(5e-101), at(2e-100)),
-        (AttractorKind::StickSlip, AttractorKind::SteadySliding)
+        (Regime::StickSlip, Regime::Equilibrium)
     );
     let names = [
-        AttractorKind::Rest,
-        AttractorKind::SteadySliding,
-        AttractorKind::PureSlip,
-        AttractorKind::StickSlip,
+        Regime::Rest,
+        Regime::Equilibrium,
+        Regime::PureSlip,
+        Regime::StickSlip,
     ];
     assert_eq!(
         names.map(|regime| regime.to_string()),
-        ["rest", "steady sliding", "pure slip", "stick-slip"]
+        ["rest", "equilibrium", "pure slip", "stick-slip"]
     );
 }
 

@@ -5,8 +5,8 @@ use crate::common::polynomials::{Polynomials, coefficients};
 use crate::common::{exactly, on_belt, paper};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging::{cycles, drift};
-use stick_slip::analysis::{PureSlip, StickSlip, equilibrium, regime};
-use stick_slip::{AttractorKind, CycleKind, EventKind, Exponential, FrictionLaw, Polynomial};
+use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
+use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, Polynomial};
 use stick_slip::{LimitCycle, Stability, State, bifurcation, limit_cycle};
 
 #[test]
@@ -98,7 +98,7 @@ fn misprint_v_b0_is_below_v_b1() {
 fn misprint_after_eq_15_beyond_v_b1_nothing_vibrates() {
     for v_b in [0.4410, 0.6, 3.0] {
         let system = paper(v_b);
-        assert_eq!(regime(&system), AttractorKind::SteadySliding);
+        assert_eq!(regime(&system), Regime::Equilibrium);
         assert!(equilibrium(&system).unwrap().is_stable());
         assert!(PureSlip::new(&system).unwrap().amplitude().is_none());
         assert!(cycles(&system).unwrap().is_empty());

@@ -7,17 +7,16 @@ use std::thread;
 
 use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::jenkins::{Backbone, SymmetricResponse};
-use stick_slip::analysis::{PureSlip, PureSlipCycle, StickSlip, StickSlipCycle, Transient};
+use stick_slip::analysis::{PureSlip, PureSlipCycle, Regime, StickSlip, StickSlipCycle, Transient};
 use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::orbit::{BifurcationKind, LyapunovExponent, Orbit, Period};
 use stick_slip::{
-    AnyLaw, AttractorKind, Backlash, Coulomb, CycleKind, CycleSet, Direction, Element,
-    EnergyBudget, Equilibrium, Error, Event, EventKind, Exponential, FirstOrder, Flow,
-    ForceElement, FrictionLaw, Integrator, Iwan4, LimitCycle, MassOnBelt, Mode, Pendulum, Physical,
-    Polynomial, PolynomialSpring, Rational, Reached, Scalar, Scaled, Scaling, SnapThrough,
-    Stability, State, Step, Stop, Stribeck, Tabulated, TabulatedForce, Trajectory, VanDerPol,
-    structure,
+    AnyLaw, Backlash, Coulomb, CycleKind, CycleSet, Direction, Element, EnergyBudget, Equilibrium,
+    Error, Event, EventKind, Exponential, FirstOrder, Flow, ForceElement, FrictionLaw, Integrator,
+    Iwan4, LimitCycle, MassOnBelt, Mode, Pendulum, Physical, Polynomial, PolynomialSpring,
+    Rational, Reached, Scalar, Scaled, Scaling, SnapThrough, Stability, State, Step, Stop,
+    Stribeck, Tabulated, TabulatedForce, Trajectory, VanDerPol, structure,
 };
 
 #[test]
@@ -84,7 +83,7 @@ fn types_have_the_common_traits() {
     name::<Stability>();
     name::<CycleKind>();
     name::<Criticality>();
-    name::<AttractorKind>();
+    name::<Regime>();
 
     shown::<Error>();
     shown::<Reached>();
