@@ -1,7 +1,7 @@
 use crate::state::structure::State;
 
+mod context;
 mod derivative;
-mod make;
 mod numbers;
 mod reached;
 mod structure;

@@ -3,7 +3,7 @@
 use super::model::Belt;
 use crate::clock::Time;
 use crate::friction::Values;
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 use crate::series::{PowerSeries, TooCurved, quarters};
 
 /// The speeds at which the pieces of a law meet, ascending.

@@ -3,7 +3,7 @@
 //! the series satisfies it later in the step.
 
 use super::model::Belt;
-use crate::friction::slip::SlipSeries;
+use crate::friction::slip_series::SlipSeries;
 use crate::motion::step_control::MOST_FOURS;
 use crate::state::State;
 

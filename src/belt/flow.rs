@@ -9,7 +9,7 @@ use super::stepper::{Advance, Stepper};
 use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 use crate::friction::{FrictionLaw, static_is_nan};
 use crate::motion::sealed;
 use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};

@@ -6,7 +6,7 @@
 // | `model.rs` | `Belt`, for the engines: forces, the stick band, the outcome of an arrival |
 // | `forward.rs` | `Forward`: a system whose belt moves forward |
 // | `equilibrium.rs` | steady sliding and its stability |
-// | `slip_point.rs` | how each kind of slip begins (the power series of slip: `friction/slip.rs`) |
+// | `slip_point.rs` | how each kind of slip begins (the power series of slip: `friction/slip_series.rs`) |
 // | `slow_manifold.rs` | the power series of the slow manifold in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
 // | `defect.rs` | the residual of the equation of motion, and where it is checked |
 // | `breakpoints.rs` | pieces of the law, and where a step leaves one |

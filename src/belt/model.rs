@@ -2,7 +2,7 @@
 
 use super::equilibrium::Equilibrium;
 use crate::error::Error;
-use crate::friction::slip::Equation;
+use crate::friction::slip_series::Equation;
 use crate::friction::{Law, Values, finite_at};
 use crate::state::{Direction, State, Surface, relative_velocity};
 

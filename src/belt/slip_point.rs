@@ -1,7 +1,7 @@
 //! Initial values of slip phases.
 
 use super::model::Belt;
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 use crate::state::{Direction, State};
 
 /// The mode of the mass at the start of a motion.

@@ -20,7 +20,7 @@
 use super::model::Belt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::slip::{Expander, Expansion, Known, SlipPoint, SlipSeries};
+use crate::friction::slip_series::{Expander, Expansion, Known, SlipPoint, SlipSeries};
 use crate::motion::step_control::Allowance;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 

@@ -6,7 +6,7 @@ use super::breakpoints::Breakpoints;
 use super::model::Belt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
-use crate::friction::slip::{Expander, Expansion, Known, SlipPoint};
+use crate::friction::slip_series::{Expander, Expansion, Known, SlipPoint};
 use crate::motion::step_control::{
     self, Allowance, Attempt, FARTHEST, LONG, LOOSEST, SETTLING, STIFF,
 };

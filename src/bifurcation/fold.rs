@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::PeakMap;
 use crate::numerics::bracket::{SignChange, sign_change_between};
+use crate::numerics::roots_with_slopes::Sample;
 use crate::numerics::scan::{Refinement, Survey, scan};
-use crate::numerics::with_slopes::Sample;
 
 /// Largest |growth| on the two sides of a fold. A larger growth that changes its sign between
 /// neighbouring numbers jumps over zero, and no cycles meet.

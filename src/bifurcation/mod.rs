@@ -3,7 +3,7 @@
 // | `along.rs` | `Along`: the family of systems, the range, the bound of the work and the watcher |
 // | `grazing.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
 // | `fold.rs` | folds of pure-slip cycles |
-// | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
+// | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/slope_zeros.rs` |
 // | `hopf_locus` | curves of Hopf points of any system in two parameters: the search (`mod.rs`), the equations (`equations.rs`) |
 // | `ranges.rs` | the attractors of each range |
 // | `silence.rs` | the damping, the load and the stiffness at which vibration ends |

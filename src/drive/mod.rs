@@ -9,11 +9,11 @@
 // | `harmonic.rs` | one angular frequency, as a cosine and a sine: value, slope, series, integral; the common period of several |
 // | `profile.rs` | straight lines through points: the same, and where pieces meet |
 // | `function.rs` | `TimeFunction`, the trait of a user's own function |
-// | `pieces.rs` | such a function as a trait object: the same, and how far it is from its series |
+// | `function_series.rs` | such a function as a trait object: the same, and how far it is from its series |
 
 mod function;
+mod function_series;
 mod harmonic;
-mod pieces;
 mod profile;
 #[cfg(feature = "serde")]
 mod read;
@@ -21,8 +21,8 @@ mod read;
 mod tests;
 
 pub use function::TimeFunction;
+use function_series::Function;
 pub(crate) use harmonic::Harmonic;
-use pieces::Function;
 use profile::Profile;
 
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 use super::ForceLaw;
 use crate::error::Error;
-use crate::numerics::table::{Above, Cubic, Join, Names, checked_pieces};
+use crate::numerics::interpolation::{Above, Cubic, Join, Names, checked_pieces};
 use crate::scalar::Scalar;
 
 /// A spring through measured points, joined by monotone cubics (PCHIP) or by straight lines.

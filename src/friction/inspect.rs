@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::along::{MOST_STRETCHES, Stretch};
 use super::fault::LawFault;
+use super::slope_zeros::{MOST_STRETCHES, Stretch};
 use super::{FrictionLaw, Values, taylor_coefficients_on, validate};
 use crate::error::Error;
 use crate::numerics::sort::sort_by;

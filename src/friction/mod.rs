@@ -8,17 +8,16 @@
 // | `any.rs` | a law chosen at run time |
 // | `memory/` | contact laws with memory |
 // | `scaled.rs` | a law given over speeds in metres per second |
-// | `law.rs` | a law as a trait object, for the engines |
+// | `law_object.rs` | a law as a trait object, for the engines |
 // | `piece.rs` | one analytic piece of a law |
 // | `expansion.rs` | power series of a law's pieces at one speed |
-// | `slip.rs` | the power series of a mass that slides on a law |
-// | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
+// | `slip_series.rs` | the power series of a mass that slides on a law |
+// | `slope_zeros.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 // | `check.rs` | checks of a law before it is used; whether it is constant |
 // | `iwan.rs` | Segalman's distribution of springs and sliders |
 // | `inspect.rs`, `fault.rs` | `check_law`: faults of a law over a range of speeds, and their texts |
 // | `read.rs` | how laws are read (feature `serde`) |
 
-mod along;
 mod any;
 pub(crate) mod check;
 mod coulomb;
@@ -27,7 +26,7 @@ mod exponential;
 mod fault;
 mod inspect;
 mod iwan;
-mod law;
+mod law_object;
 pub(crate) mod memory;
 mod piece;
 mod polynomial;
@@ -35,7 +34,8 @@ mod rational;
 #[cfg(feature = "serde")]
 pub(crate) mod read;
 mod scaled;
-pub(crate) mod slip;
+pub(crate) mod slip_series;
+mod slope_zeros;
 mod stribeck;
 mod tabulated;
 
@@ -51,13 +51,13 @@ pub use scaled::Scaled;
 pub use stribeck::Stribeck;
 pub use tabulated::Tabulated;
 
-pub(crate) use along::{AlongSlope, FarEnd};
 pub(crate) use check::{
     frictionless_speed, is_constant_near, is_constant_on, static_is_nan, validate,
 };
 pub(crate) use expansion::{finite_at, slope_on, taylor_coefficients, taylor_coefficients_on};
-pub(crate) use law::{Law, LawRef, Own, Values};
+pub(crate) use law_object::{Law, LawRef, Own, Values};
 pub(crate) use piece::{Piece, piece_above, value_and_slope};
+pub(crate) use slope_zeros::{AlongSlope, FarEnd};
 
 use crate::scalar::Scalar;
 

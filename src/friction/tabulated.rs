@@ -1,6 +1,6 @@
 use super::{AnyLaw, FrictionLaw, LawRef, Own};
 use crate::error::Error;
-use crate::numerics::table::{Above, Cubic, Join, Names, checked_pieces};
+use crate::numerics::interpolation::{Above, Cubic, Join, Names, checked_pieces};
 use crate::scalar::Scalar;
 
 /// A law through measured points, joined by monotone cubics (PCHIP) or by straight lines.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::belt::{Advance, Forward, Stability, Step, Stepper};
 use crate::clock::{Clock, Time};
 use crate::error::{Error, Reached};
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 use crate::motion::Integrator;
 use crate::numerics::gauss::gauss_legendre;
 use crate::series::{PowerSeries, quarters};

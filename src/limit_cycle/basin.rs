@@ -10,7 +10,7 @@ use crate::belt::{Belt, Forward, MassOnBelt, Start};
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 use crate::state::{Direction, State, Units};
 
 /// The attractor that a motion reaches, or the reason why there is none. See [`attractor`].

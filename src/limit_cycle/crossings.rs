@@ -7,7 +7,7 @@ use super::growth::relative_growth;
 use super::release::ReleaseFate;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::numerics::with_slopes::{Roots, Sample, roots_between};
+use crate::numerics::roots_with_slopes::{Roots, Sample, roots_between};
 use crate::state::Direction;
 
 /// The map F → C(F) from the force F = u + 2βv_b at a downward crossing to the force at the next

@@ -4,7 +4,7 @@ use super::arc::{Arc, Arrival, Tracer};
 use super::averaged;
 use super::continuum::{flat_amplitude, is_flat};
 use crate::error::Error;
-use crate::numerics::with_slopes::Sample;
+use crate::numerics::roots_with_slopes::Sample;
 
 /// Rounding error of one period, in units of ε times the size of the motion.
 const PERIOD_ROUNDING: f64 = 32.0;

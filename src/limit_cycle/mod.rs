@@ -4,7 +4,7 @@
 // | `basin.rs` | `attractor`, `basins`: the attractor of a start |
 // | `arc.rs` | slip arcs, up to contact or a velocity maximum |
 // | `release.rs` | the motion from the release point: cycles that stick |
-// | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/with_slopes.rs`) |
+// | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/roots_with_slopes.rs`) |
 // | `crossings.rs` | the map of downward crossings: crossing cycles |
 // | `growth.rs` | the growth of a map over one period, as a sample |
 // | `averaged.rs` | growth by averaging, if one period changes a motion by less than rounding does |

@@ -9,10 +9,10 @@ use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::taylor_coefficients_on;
-use crate::numerics::sort::sort_by;
-use crate::numerics::with_slopes::{
+use crate::numerics::roots_with_slopes::{
     Kinks, Roots, Sample, eighths, outline_between, roots_between, turn,
 };
+use crate::numerics::sort::sort_by;
 
 /// Smallest velocity maximum that is searched, in units of v_b. Below it one period changes a
 /// motion by less than rounding does.

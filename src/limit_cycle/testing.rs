@@ -8,7 +8,7 @@ use super::release::{Release, ReleaseFate};
 use crate::belt::{Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::numerics::with_slopes::Sample;
+use crate::numerics::roots_with_slopes::Sample;
 use crate::scalar::Scalar;
 
 /// Calls a function with a tracer of the system, and returns its result.

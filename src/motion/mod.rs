@@ -7,7 +7,7 @@
 // | `energy.rs` | `EnergyBudget`: work and heat of a motion |
 // | `event.rs` | `Event`, `EventKind`, `Mode`; the mode after each kind of event |
 // | `step_control.rs` | step sizes, accepted defects, the limit of stiffness |
-// | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
+// | `run_limits.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
 // | `trajectory.rs` | `Trajectory`: a motion over a finite time, and why it ended (`Ended`) |
 // | `first_zero.rs` | the first zero of a user's function in a step |
 
@@ -16,7 +16,7 @@ mod energy;
 mod event;
 mod first_zero;
 mod integrator;
-mod run;
+mod run_limits;
 pub(crate) mod step_control;
 mod trajectory;
 
@@ -25,7 +25,7 @@ pub use energy::EnergyBudget;
 pub use event::{Event, EventKind, Mode};
 pub use integrator::Integrator;
 pub(crate) use integrator::{Steps, Stop, trajectory};
-pub(crate) use run::Run;
+pub(crate) use run_limits::Run;
 pub use trajectory::{Ended, Trajectory};
 
 use std::fmt::Debug;

@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, VecDeque};
 
 use nalgebra::DVector;
 
-use super::form::{GeneralForm, Rhythm};
-use super::map::vector;
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::period_map::vector;
 use super::periodic_orbit::Orbit;
 use super::shoot;
+use super::shooting_residual::TrialMotion;
 use super::translation::Turning;
-use super::trial::TrialMotion;
+use super::type_erased_system::{GeneralForm, Rhythm};
 use crate::error::{Element, Error, Reached};
 use crate::motion::sealed::State as _;
 use crate::motion::{AttractorKind, EventKind, Integrator, Mode, Segment, SystemState};

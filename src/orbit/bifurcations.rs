@@ -2,12 +2,12 @@
 
 use num_complex::Complex;
 
-use super::approach::Sides;
 use super::branch::BifurcationKind;
-use super::curve::{FINE, Solved};
-use super::local_curve::{CurvePoint, LocalCurve};
-use super::map::CLOSED;
+use super::branch_equations::{FINE, Solved};
+use super::branch_predictor::{CurvePoint, LocalCurve};
+use super::event_change_bracket::Sides;
 use super::multipliers::tests;
+use super::period_map::CLOSED;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 use crate::numerics::sort::sort_by;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::oscillator::{Oscillator, Systems};
 use super::period::Period;
 use super::periodic_orbit::Orbit;
-use super::trial::TrialMotion;
+use super::shooting_residual::TrialMotion;
 use crate::error::{Element, Error};
 use crate::motion::{EventKind, SystemState};
 use crate::state::Direction;

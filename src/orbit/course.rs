@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::form::GeneralForm;
-use super::hold::{HeldFlow, Hold};
-use super::passage::collect;
+use super::prescribed_modes::{HeldFlow, Hold};
+use super::time_integration::collect;
+use super::type_erased_system::GeneralForm;
 use crate::motion::{Integrator, Segment, SystemState, Trajectory};
 use crate::state::structure::State;
 use crate::structure::Step;

@@ -16,7 +16,7 @@ use crate::force::object::Place;
 use crate::motion::Segment;
 use crate::series::{INTEGRAL, PowerSeries};
 use crate::structure::Step;
-use crate::structure::engine::element::ElementData;
+use crate::structure::engine::element_data::ElementData;
 use crate::structure::engine::model::Model;
 
 /// The derivatives of one element along a step: D ∂F_i/∂x_j, then D ∂F_i/∂y_j, a list over i for

@@ -1,7 +1,7 @@
 //! The events of a periodic motion as a cyclic sequence, and the bifurcation between two sequences.
 
 use super::branch::BifurcationKind;
-use super::map::PeriodMap;
+use super::period_map::PeriodMap;
 use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode};
 use crate::state::structure::State;

@@ -2,9 +2,9 @@
 
 use nalgebra::DVector;
 
-use super::form::GeneralForm;
-use super::map::run::period_map;
-use super::map::{CLOSED, PeriodMap, state, vector};
+use super::period_map::run::period_map;
+use super::period_map::{CLOSED, PeriodMap, state, vector};
+use super::type_erased_system::GeneralForm;
 use crate::numerics::least_norm::conserving;
 
 /// The distance of the neighbour that is tried, in units of the sizes. A fold or a pitchfork has a

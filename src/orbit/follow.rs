@@ -5,12 +5,12 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, MOST_TRIALS, Solved};
+use super::branch_equations::{Curve, MOST_TRIALS, Solved};
 use super::oscillator::{Oscillator, Systems, member};
 use super::period::Period;
 use super::periodic_orbit::{Closed, Orbit};
 use super::phase_condition::FrozenStart;
-use super::walk::{Change, Left, Walk, natural_scale};
+use super::pseudo_arclength::{Change, Left, Walk, natural_scale};
 use super::work::Work;
 use crate::error::Error;
 use crate::motion::sealed::State as _;

@@ -3,9 +3,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::form::GeneralForm;
-use super::map::SINGULAR;
-use super::map::{PeriodMap, vector};
+use super::period_map::SINGULAR;
+use super::period_map::{PeriodMap, vector};
+use super::type_erased_system::GeneralForm;
 use crate::drive::Drive;
 use crate::numerics::least_norm::least_norm;
 use crate::structure::engine::first_order;

@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 
 use super::attractor::fastest_surface;
-use super::form::GeneralForm;
 use super::oscillator::Oscillator;
 use super::tangent::{TangentFlow, flow_of};
+use super::type_erased_system::GeneralForm;
 use crate::error::{Error, Reached};
 use crate::motion::sealed::State as _;
 use crate::motion::{Integrator, Segment};

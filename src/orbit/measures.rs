@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::form::GeneralForm;
+use super::type_erased_system::GeneralForm;
 use crate::clock::Clock;
 use crate::motion::sealed::Part as _;
 use crate::motion::{EnergyBudget, Mode, Segment};

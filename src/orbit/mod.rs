@@ -1,18 +1,18 @@
 // | file | what is in it |
 // |---|---|
-// | `form.rs` | a system without the type of its laws, for all searches |
+// | `type_erased_system.rs` | a system without the type of its laws, for all searches |
 // | `oscillator.rs` | `Oscillator`: the systems that the searches take |
-// | `period.rs`, `trial.rs` | `Period`; one trial of a search |
+// | `period.rs`, `shooting_residual.rs` | `Period`; one trial of a search |
 // | `translation.rs` | translations that no force depends on, up to which motions are periodic |
-// | `coefficient.rs`, `linear.rs`, `elements.rs` | coefficients of the variational equations along one step, as power series; those of force elements |
-// | `lanes.rs` | power series of several perturbations, side by side |
-// | `settling.rs` | those of a motion on a slow manifold |
+// | `coefficient.rs`, `variational_equations.rs`, `elements.rs` | coefficients of the variational equations along one step, as power series; those of force elements |
+// | `perturbation_series.rs` | power series of several perturbations, side by side |
+// | `stiff_perturbations.rs` | those of a motion on a slow manifold |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
-// | `phase.rs` | steps with the same constant coefficients, which one matrix exponential carries |
+// | `constant_coefficient_flow.rs` | steps with the same constant coefficients, which one matrix exponential carries |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
-// | `along.rs` | perturbations along an autonomous motion that creeps, kept apart from all others |
-// | `map.rs`, `map/run.rs` | the period map with its derivative, the monodromy matrix; runs that compute it |
-// | `passage.rs` | motions over a duration without derivatives |
+// | `flow_direction.rs` | perturbations along an autonomous motion that creeps, kept apart from all others |
+// | `period_map.rs`, `period_map/run.rs` | the period map with its derivative, the monodromy matrix; runs that compute it |
+// | `time_integration.rs` | motions over a duration without derivatives |
 // | `course.rs` | the motion of a result, computed again when it is asked for |
 // | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
 // | `family.rs` | the directions of a continuous family of motions |
@@ -20,31 +20,31 @@
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
 // | `attractor.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
-// | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
+// | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`same_motion.rs`), the results (`found.rs`) |
 // | `periodic_orbit.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
 // | `measures.rs` | the extremes, means and energies of an `Orbit`, from its steps |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |
 // | `branch.rs` | `Branch`: the result of `follow` |
-// | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
-// | `local_curve.rs` | the curve near one of its points |
-// | `walk.rs` | steps along the curve, and its ends |
+// | `branch_equations.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
+// | `branch_predictor.rs` | the curve near one of its points |
+// | `pseudo_arclength.rs` | steps along the curve, and its ends |
 // | `work.rs` | the motions tried along a curve, counted and bounded |
 // | `bifurcations.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
-// | `approach.rs` | the two sides of a change of events, brought together in few motions |
-// | `corner.rs` | branches that turn back at a change of the event sequence |
+// | `event_change_bracket.rs` | the two sides of a change of events, brought together in few motions |
+// | `nonsmooth_fold.rs` | branches that turn back at a change of the event sequence |
 // | `half_map.rs` | symmetric motions: the map over half a period |
 // | `pitchfork.rs` | pitchforks of symmetric motions |
-// | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
-// | `symmetry.rs` | symmetries in time that motions beside a branch have, and its motions lack |
+// | `branch_switching.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
+// | `lost_symmetry.rs` | symmetries in time that motions beside a branch have, and its motions lack |
 // | `phase_condition.rs` | where motions start: away from events, and the phase condition of autonomous ones |
-// | `hold.rs`, `mark.rs` | motions with a contact held past a touch, which are smooth there; events that are watched |
+// | `prescribed_modes.rs`, `watched_event.rs` | motions with a contact held past a touch, which are smooth there; events that are watched |
 // | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
-// | `spectrum.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
-// | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
-// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
+// | `hopf_point.rs` | the eigenvalues of steady sliding; the Hopf point near a value of the parameter |
+// | `discontinuity.rs` | motions that jump at a change of the event sequence, which ends the branch |
+// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), what all curves are (`curve_of_motions.rs`), the motions (`motions.rs`), folds, flips, pitchforks and tori (`smooth_equations.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`event_equations.rs`, which one: `change.rs`), the tangential end of a branch (`tangential_end.rs`), the results (`found.rs`) |
 // | `event_sequence.rs` | the events of a period as a cyclic sequence |
 // | `poincare.rs` | `section`, `section_at`, `section_through`: Poincaré sections |
-// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences (`variation.rs`) between motions with the same events, in any order if they happen at one instant (`neighbour.rs`) |
+// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences (`differences.rs`) between motions with the same events, in any order if they happen at one instant (`neighbour.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
 //! Periodic motions of any system ([`MassOnBelt`](crate::MassOnBelt) or
@@ -204,56 +204,56 @@
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.
 
-mod along;
-mod approach;
 mod attractor;
 mod bifurcations;
 mod branch;
+mod branch_equations;
+mod branch_predictor;
+mod branch_switching;
 mod coefficient;
-mod corner;
+mod constant_coefficient_flow;
 mod course;
-mod curve;
+mod discontinuity;
 mod elements;
+mod event_change_bracket;
 mod event_sequence;
 mod family;
+mod flow_direction;
 mod follow;
-mod form;
 mod half_map;
-mod hold;
 mod hopf;
-mod jump;
-mod lanes;
-mod linear;
-mod local_curve;
+mod hopf_point;
 mod locus;
+mod lost_symmetry;
 mod lyapunov;
-mod map;
-mod mark;
 mod measures;
 mod multipliers;
+mod nonsmooth_fold;
 mod oscillator;
-mod passage;
 mod period;
+mod period_map;
 mod periodic_orbit;
-mod phase;
+mod perturbation_series;
 mod phase_condition;
 mod pitchfork;
 mod poincare;
+mod prescribed_modes;
+mod pseudo_arclength;
 mod ranges;
 mod saltation;
 mod sensitivity;
-mod settling;
 mod shoot;
-mod spectrum;
+mod shooting_residual;
 mod springs;
+mod stiff_perturbations;
 mod sweep;
-mod switch;
-mod symmetry;
 mod tangent;
+mod time_integration;
 mod translation;
-mod trial;
+mod type_erased_system;
 mod unslipped;
-mod walk;
+mod variational_equations;
+mod watched_event;
 mod work;
 #[cfg(feature = "serde")]
 mod written;

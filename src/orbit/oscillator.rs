@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::course::{Course, KeptMotion};
-use super::form::GeneralForm;
+use super::type_erased_system::GeneralForm;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;

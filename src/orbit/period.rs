@@ -1,4 +1,4 @@
-use super::form::Rhythm;
+use super::type_erased_system::Rhythm;
 use crate::error::Error;
 
 /// The period of the motion to be found.

@@ -8,14 +8,14 @@ use num_complex::Complex;
 
 use super::course::{Course, KeptMotion};
 use super::family::families;
-use super::form::GeneralForm;
 use super::half_map::HalfMap;
-use super::map;
-use super::map::run::{self, carried};
 use super::measures::{Contact, Coordinate, Measures};
 use super::oscillator::{FamilyMember, Oscillator};
 use super::period::Period;
-use super::trial::TrialMotion;
+use super::period_map;
+use super::period_map::run::{self, carried};
+use super::shooting_residual::TrialMotion;
+use super::type_erased_system::GeneralForm;
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::motion::{EnergyBudget, Event, EventKind, Segment, SystemState, Trajectory};
@@ -181,7 +181,7 @@ impl Properties {
             neutral: families.len().saturating_sub(known),
             families: families
                 .iter()
-                .map(|direction| map::state(direction, form.len()))
+                .map(|direction| period_map::state(direction, form.len()))
                 .collect(),
         })
     }

@@ -3,13 +3,13 @@
 
 use nalgebra::DVector;
 
-use super::form::GeneralForm;
-use super::hold::{Hold, Then};
-use super::map::{self, PeriodMap, state, vector};
-use super::mark::Mark;
+use super::period_map::{self, PeriodMap, state, vector};
+use super::prescribed_modes::{Hold, Then};
+use super::shooting_residual::TrialMotion;
 use super::tangent::flow_of;
 use super::translation::Turning;
-use super::trial::TrialMotion;
+use super::type_erased_system::GeneralForm;
+use super::watched_event::Mark;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
 use crate::series::PowerSeries;
@@ -157,7 +157,7 @@ impl FrozenStart {
         let time = match &turn {
             Some(turn) => turn.time,
             None if begins_near_event(map, period, FAR) => {
-                map::longest_pause(map, begins, begins + period)
+                period_map::longest_pause(map, begins, begins + period)
             }
             None => begins,
         };

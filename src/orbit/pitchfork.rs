@@ -2,10 +2,10 @@
 
 use nalgebra::DVector;
 
-use super::curve::solution;
+use super::branch_equations::solution;
+use super::branch_predictor::{CurvePoint, LocalCurve};
 use super::half_map::{Balance, HalfMap, inverting};
-use super::local_curve::{CurvePoint, LocalCurve};
-use super::map::{CLOSED, vector};
+use super::period_map::{CLOSED, vector};
 use crate::numerics::bracket::Bracket;
 
 /// Limit of Newton steps; three or four are usual.

@@ -30,8 +30,8 @@
 
 use nalgebra::{DMatrix, RowDVector};
 
-use super::linear::{Linear, load_at_end};
 use super::tangent::TangentFlow;
+use super::variational_equations::{Linear, load_at_end};
 use crate::clock::Clock;
 use crate::error::Element;
 use crate::force::stop::OPEN;
@@ -41,8 +41,8 @@ use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
-use crate::structure::engine::contact::{ContactData, entry};
-use crate::structure::engine::factor::Holding;
+use crate::structure::engine::cholesky::Holding;
+use crate::structure::engine::contact_data::{ContactData, entry};
 use crate::structure::{Step, Trigger};
 
 /// A contact with its own coordinate at the time of an event; all numbers are divided by the mass.

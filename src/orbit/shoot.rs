@@ -2,14 +2,14 @@
 
 use nalgebra::DVector;
 
-use super::form::{GeneralForm, Rhythm};
-use super::map::run;
-use super::map::{self, CLOSED, SINGULAR, state, vector};
 use super::oscillator::Oscillator;
-use super::passage::reach;
 use super::period::Period;
+use super::period_map::run;
+use super::period_map::{self, CLOSED, SINGULAR, state, vector};
 use super::periodic_orbit::Orbit;
-use super::trial::TrialMotion;
+use super::shooting_residual::TrialMotion;
+use super::time_integration::reach;
+use super::type_erased_system::{GeneralForm, Rhythm};
 use crate::error::Error;
 use crate::motion::sealed::State as _;
 use crate::motion::{Mode, Segment};
@@ -247,7 +247,7 @@ impl<'s> Problem<'s> {
         step: Option<&DVector<f64>>,
     ) -> Result<TrialMotion, Error> {
         if self.section.is_none() || found.returns(step) {
-            let found = match map::released(self.form, &found.map) {
+            let found = match period_map::released(self.form, &found.map) {
                 Some(start) => self.trial(&start, found.period)?,
                 None => found,
             };

@@ -8,12 +8,12 @@
 use nalgebra::RowDVector;
 
 use super::elements::ElementDerivatives;
-use super::linear::load_at_end;
 use super::tangent::TangentFlow;
+use super::variational_equations::load_at_end;
 use crate::motion::{Mode, Segment};
 use crate::structure::Step;
-use crate::structure::engine::contact::entry;
-use crate::structure::engine::element::ElementData;
+use crate::structure::engine::contact_data::entry;
+use crate::structure::engine::element_data::ElementData;
 
 impl TangentFlow<'_> {
     /// Sets δT of the elastic contacts that do not stick: σμ n·δq in slip, 0 while open.

@@ -13,7 +13,7 @@
 //! obeys δz' = A_q δq + A_v δv + A_z δz.
 //!
 //! The equations are solved by power series on the steps of the trajectory, or by a matrix
-//! exponential over several of them (`phase.rs`). A contact that sticks has δv = 0; events are
+//! exponential over several of them (`constant_coefficient_flow.rs`). A contact that sticks has δv = 0; events are
 //! treated in `saltation.rs`. Each column of a matrix is one perturbation: n
 //! displacements, n velocities, the memory variables of the contacts, and first-order states.
 
@@ -21,12 +21,12 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::form::GeneralForm;
-use super::hold::{HeldFlow, Hold, Touch};
-use super::lanes::{Equations, LONG};
-use super::linear::Linear;
-use super::phase::{Phase, ends_phase};
-use super::settling::{Settling, stiffest};
+use super::constant_coefficient_flow::{Phase, ends_phase};
+use super::perturbation_series::{Equations, LONG};
+use super::prescribed_modes::{HeldFlow, Hold, Touch};
+use super::stiff_perturbations::{Settling, stiffest};
+use super::type_erased_system::GeneralForm;
+use super::variational_equations::Linear;
 use crate::error::{Error, Reached};
 use crate::motion::step_control::EXPLICIT;
 use crate::motion::{Integrator, Mode, Segment};

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::form::GeneralForm;
+use super::type_erased_system::GeneralForm;
 use crate::series::PowerSeries;
 use crate::state::structure::State;
 use crate::structure::Step;

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::form::GeneralForm;
+use super::type_erased_system::GeneralForm;
 use crate::motion::{Mode, Segment};
 use crate::state::Direction;
 use crate::state::structure::State;

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::form::GeneralForm;
+use super::type_erased_system::GeneralForm;
 use crate::error::Error;
 use crate::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 

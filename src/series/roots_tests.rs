@@ -15,7 +15,7 @@ use super::{PowerSeries, TERMS, quarters};
 use crate::belt::MassOnBelt;
 use crate::belt::Stepper;
 use crate::clock::Time;
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 use crate::friction::{Exponential, Polynomial};
 use crate::numerics::testing::count;
 use crate::state::{Direction, State};

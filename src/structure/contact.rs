@@ -3,8 +3,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::direction::{add_entry, check_coordinates, checked_direction};
-use super::engine::contact::ContactData;
-use super::engine::element::ElementData;
+use super::engine::contact_data::ContactData;
+use super::engine::element_data::ElementData;
 use super::force_element::ForceElement;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::direction::{check_coordinates, checked_direction};
-use super::engine::element::ElementData;
+use super::engine::element_data::ElementData;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
 use crate::force::object::{OneDirection, SeveralDirections};

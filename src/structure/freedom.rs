@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::engine::contact::Entries;
+use super::engine::contact_data::Entries;
 use super::engine::first_order::FirstOrderData;
 use super::engine::model::Model;
 use super::engine::sparse::Sparse;

@@ -12,9 +12,9 @@
 // | `carried.rs` | `Carried`: the friction force of a contact, or its range |
 // | `mechanism.rs` | `Mechanism`: a way in which contacts at rest can begin to slip |
 // | `energy.rs` | energies, work and heat |
-// | `steady.rs`, `sliding_field` | steady sliding and its eigenvalues; the equations near it |
-// | `steady_at.rs` | steady sliding at given velocities |
-// | `equilibrium.rs` | its displacements, by Newton's method where forces are nonlinear |
+// | `steady_sliding.rs`, `sliding_field` | steady sliding and its eigenvalues; the equations near it |
+// | `steady_sliding.rs` | steady sliding at given velocities |
+// | `equilibrium_newton.rs` | its displacements, by Newton's method where forces are nonlinear |
 // | `freedom.rs` | directions in which a structure can be moved without any change of a force |
 // | `stability_changes.rs` | stability of steady sliding while drives vary slowly |
 // | `read.rs` | how structures are written and read (feature `serde`) |
@@ -145,7 +145,7 @@ mod direction;
 mod elastic;
 mod energy;
 pub(crate) mod engine;
-mod equilibrium;
+mod equilibrium_newton;
 mod first_order;
 mod flow;
 mod force_element;
@@ -157,8 +157,7 @@ mod read;
 mod sample;
 pub(crate) mod sliding_field;
 mod stability_changes;
-mod steady;
-mod steady_at;
+mod steady_sliding;
 mod step;
 mod stop;
 mod system;
@@ -173,7 +172,7 @@ pub use force_element::ForceElement;
 pub use mechanism::Mechanism;
 pub use sample::Sample;
 pub use stability_changes::StabilityChange;
-pub use steady::SteadySliding;
+pub use steady_sliding::SteadySliding;
 pub use step::Step;
 pub use stop::Stop;
 pub use system::Structure;

@@ -1,13 +1,13 @@
 //! The vector field of a system near its steady sliding: its linear part, and its terms of second
 //! and third order.
 
-mod find;
+mod contact_modes;
 pub(crate) mod spectrum;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::engine::contact::{ContactData, Entries};
-use super::engine::element::{ElementData, ElementTangent};
+use super::engine::contact_data::{ContactData, Entries};
+use super::engine::element_data::{ElementData, ElementTangent};
 use super::engine::model::Model;
 use crate::force::object::Place;
 use crate::friction::memory::{Input, Motion, Sliding, Slip};

@@ -1,6 +1,6 @@
 use std::sync::{Arc, OnceLock};
 
-use super::engine::modes::Modes;
+use super::engine::mode_constraints::Modes;
 use super::trigger::EventData;
 use crate::clock::Clock;
 use crate::error::{Element, Error};

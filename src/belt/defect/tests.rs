@@ -3,7 +3,7 @@ use std::cell::Cell;
 use super::super::system::MassOnBelt;
 use super::*;
 use crate::clock::Time;
-use crate::friction::slip::{Expander, Expansion, Known, SlipPoint};
+use crate::friction::slip_series::{Expander, Expansion, Known, SlipPoint};
 use crate::friction::{FrictionLaw, Polynomial as Cubic};
 use crate::scalar::Scalar;
 use crate::series::{PowerSeries, quarters};

@@ -1,6 +1,6 @@
 use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, NamedLaw, RateState, Slip};
 use crate::friction::FrictionLaw;
-use crate::friction::law::{LawRef, Own};
+use crate::friction::law_object::{LawRef, Own};
 use crate::scalar::Scalar;
 
 /// A dry friction law or one of the crate's laws with memory, chosen at run time.

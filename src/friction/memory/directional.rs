@@ -1,7 +1,7 @@
 use super::{ContactLaw, Motion, NamedLaw, SidedLaw, Slip};
 use crate::error::Error;
 use crate::friction::check::{check_kinetic, check_static, validate};
-use crate::friction::law::{LawRef, Own};
+use crate::friction::law_object::{LawRef, Own};
 use crate::friction::{Coulomb, FrictionLaw};
 use crate::scalar::Scalar;
 

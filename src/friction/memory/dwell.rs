@@ -1,7 +1,7 @@
 use super::{ContactLaw, Motion, NamedLaw, Slip};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::friction::law::{LawRef, Own};
+use crate::friction::law_object::{LawRef, Own};
 use crate::scalar::Scalar;
 
 /// Static friction that rises with the time in stick.

@@ -8,7 +8,7 @@ use std::fmt;
 
 use super::sliding::{Input, Sliding};
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
-use crate::friction::law::{Law, LawRef, Own};
+use crate::friction::law_object::{Law, LawRef, Own};
 use crate::scalar::Scalar;
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Tape};

@@ -7,7 +7,7 @@ use super::super::testing::{
     system, traced, with_knee,
 };
 use super::*;
-use crate::friction::slip::SlipPoint;
+use crate::friction::slip_series::SlipPoint;
 
 /// A system with friction that drives the mass, and viscous damping: C(F) = rF + d with r < 1.
 fn driven(force: f64, v_b: f64) -> System {

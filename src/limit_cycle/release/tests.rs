@@ -7,7 +7,7 @@ use super::super::testing::{
 };
 use super::*;
 use crate::motion::EventKind;
-use crate::numerics::with_slopes::Sample;
+use crate::numerics::roots_with_slopes::Sample;
 use crate::state::State;
 
 /// The contacts of the arcs from the release point.

@@ -5,7 +5,7 @@
 //! be more than the unknowns less one, if they are consistent: steps of Newton's method solve them
 //! by least squares.
 
-mod along;
+mod arclength;
 mod chord;
 mod zero;
 
@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-pub(crate) use self::along::{End, Half, both_ways, joined};
+pub(crate) use self::arclength::{End, Half, both_ways, joined};
 pub(crate) use self::chord::Chord;
 pub(crate) use self::zero::nearest_to_zero;
 use super::least_norm::least_norm_by_rows;

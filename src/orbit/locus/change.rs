@@ -1,13 +1,13 @@
 //! The events that change at a motion: contacts that touch, arrivals at the limit of stick, events
 //! at one time.
 
-use super::super::form::GeneralForm;
-use super::super::hold::{Hold, Then, minimum_behind, speeds};
-use super::super::linear::load_at_end;
-use super::super::map::PeriodMap;
-use super::super::mark::Mark;
+use super::super::period_map::PeriodMap;
 use super::super::phase_condition::FrozenStart;
-use super::super::trial::TrialMotion;
+use super::super::prescribed_modes::{Hold, Then, minimum_behind, speeds};
+use super::super::shooting_residual::TrialMotion;
+use super::super::type_erased_system::GeneralForm;
+use super::super::variational_equations::load_at_end;
+use super::super::watched_event::Mark;
 use super::found::LocusKind;
 use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode, Segment};

@@ -1,8 +1,8 @@
 //! The common part of the curves of all bifurcations.
 
-use super::super::form::GeneralForm;
 use super::super::phase_condition::FrozenStart;
-use super::super::trial::TrialMotion;
+use super::super::shooting_residual::TrialMotion;
+use super::super::type_erased_system::GeneralForm;
 use super::change::Change;
 use super::found::SpecialKind;
 use super::motions::Motions;

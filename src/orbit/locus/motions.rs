@@ -7,15 +7,15 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::event_sequence::Sequence;
-use super::super::form::GeneralForm;
 use super::super::half_map::{Balance, HalfMap};
-use super::super::map::run::held_period_map;
-use super::super::map::{PeriodMap, vector};
 use super::super::oscillator::FamilyOfTwo;
-use super::super::passage::{StepsAndTouches, events_of, held_steps};
 use super::super::period::Period;
+use super::super::period_map::run::held_period_map;
+use super::super::period_map::{PeriodMap, vector};
 use super::super::phase_condition::FrozenStart;
-use super::super::trial::TrialMotion;
+use super::super::shooting_residual::TrialMotion;
+use super::super::time_integration::{StepsAndTouches, events_of, held_steps};
+use super::super::type_erased_system::GeneralForm;
 use super::super::work::Work;
 use crate::error::Error;
 use crate::search::Watched;

@@ -5,7 +5,7 @@ use num_complex::Complex;
 
 use super::super::multipliers::tests;
 use super::found::SpecialKind;
-use super::smooth::{Motion, Smooth, SmoothCurve};
+use super::smooth_equations::{Motion, Smooth, SmoothCurve};
 
 /// Factors of test functions nearer to 0 than this are rounding.
 const ROUNDING: f64 = 1e-11;

@@ -1,13 +1,13 @@
 //! The attractors over a range of a parameter, with the bifurcations between them.
 
 mod found;
-mod motions;
+mod same_motion;
 
 use std::cell::Cell;
 use std::ops::Range;
 
 pub use self::found::{Border, VibrationRange, VibrationRanges};
-use self::motions::{extent, in_positions, is_on, is_one, is_same};
+use self::same_motion::{extent, in_positions, is_on, is_one, is_same};
 use super::attractor::{Attractor, kind_of};
 use super::branch::{BifurcationKind, Branch, BranchEnd, BranchPoint};
 use super::hopf::{Crossing, Standing, SteadyAlong, steady_along};

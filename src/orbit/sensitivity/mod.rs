@@ -10,13 +10,13 @@ use nalgebra::{DMatrix, DVector};
 
 use self::differences::Variation;
 use self::neighbour::Run;
-use super::form::GeneralForm;
-use super::map::SINGULAR;
-use super::map::run::period_map;
-use super::map::{PeriodMap, longest_pause, state, vector};
 use super::oscillator::{FamilyMember, Oscillator, member};
 use super::period::Period;
+use super::period_map::SINGULAR;
+use super::period_map::run::period_map;
+use super::period_map::{PeriodMap, longest_pause, state, vector};
 use super::periodic_orbit::Orbit;
+use super::type_erased_system::GeneralForm;
 #[cfg(doc)]
 use crate::error::NotDifferentiable;
 use crate::error::{Element, Error};

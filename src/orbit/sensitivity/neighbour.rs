@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::super::form::GeneralForm;
-use super::super::map::vector;
+use super::super::period_map::vector;
+use super::super::type_erased_system::GeneralForm;
 use crate::error::{Element, Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::series::PowerSeries;

@@ -1,6 +1,6 @@
 //! The check of a start.
 
-use super::contact::ContactData;
+use super::contact_data::ContactData;
 use super::model::Model;
 use crate::error::Error;
 use crate::state::structure::State;

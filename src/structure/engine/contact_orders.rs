@@ -1,6 +1,6 @@
 //! One order of a contact: its load, its law, and its memory.
 
-use super::contact::ContactData;
+use super::contact_data::ContactData;
 use super::contact_series::{ContactSeries, StepMode, correction};
 use super::coordinate_series::CoordinateSeries;
 use super::element_series::ElementSeries;

@@ -1,7 +1,7 @@
 //! The power series at one contact in a step.
 
-use super::contact::ContactData;
-use super::factor::ROUNDING;
+use super::cholesky::ROUNDING;
+use super::contact_data::ContactData;
 use super::limits::larger_finite;
 use crate::scalar::jet::Tape;
 use crate::series::PowerSeries;

@@ -3,8 +3,8 @@
 
 use nalgebra::DMatrix;
 
-use super::contact::{Site, entry};
-use super::factor::{Factor, Holding, Pivot, ROUNDING};
+use super::cholesky::{Factor, Holding, Pivot, ROUNDING};
+use super::contact_data::{Site, entry};
 use super::model::Model;
 
 impl Model<'_> {

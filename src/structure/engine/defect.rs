@@ -1,15 +1,15 @@
 //! The defect of the series of a step: the residuals of the equations of motion between their
 //! coefficients.
 
-use super::contact::{ContactData, entry};
+use super::contact_data::{ContactData, entry};
 use super::contact_series::ContactSeries;
-use super::element::ElementData;
+use super::element_data::ElementData;
 use super::element_series::ElementSeries;
 use super::model::Model;
-use super::plan::{Plan, memory_scale};
 use super::series::Series;
 use super::slow_manifold::relaxation;
 use super::state::{ContactState, Phase, Situation};
+use super::step_size::{Plan, memory_scale};
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
 use crate::series::many::{Block, GROUPS, values_of};

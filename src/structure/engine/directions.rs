@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Dyn, LU};
 
-use super::factor::Holding;
+use super::cholesky::Holding;
 use super::model::Model;
 use crate::numerics::sort::sort_by;
 

@@ -13,17 +13,17 @@
 //! its limit. A wrong mode of another contact changes r only two orders after the derivative that
 //! decided this mode. Modes are therefore set in ascending order of the deciding derivative.
 
-use super::contact::ContactData;
+use super::cholesky::ROUNDING;
+use super::contact_data::ContactData;
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::CoordinateSeries;
-use super::edge::{EDGE_ROUNDING, Edge, deciding, side_of};
-use super::elements::{element_order, push};
-use super::factor::ROUNDING;
-use super::first_orders::first_order_order;
+use super::element_forces::{element_order, push};
+use super::first_order_series::first_order_order;
 use super::model::Model;
+use super::rounding_scales::load_terms;
 use super::series::Series;
-use super::sizes::load_terms;
 use super::state::{Entry, Phase, Situation};
+use super::stick_band_edge::{EDGE_ROUNDING, Edge, deciding, side_of};
 use crate::series::INTEGRAL;
 use crate::state::Direction;
 

@@ -7,9 +7,9 @@
 //! | 0 | δ |
 //! | 1 | kδ + cδ', of a stop that never pulls |
 
-use super::element::{ElementData, sum_of_sizes};
+use super::cholesky::ROUNDING;
+use super::element_data::{ElementData, sum_of_sizes};
 use super::element_series::ElementSeries;
-use super::factor::ROUNDING;
 use crate::force::stop::{CLOSED, OPEN, StopLaw, UNLOADED};
 use crate::series::{EventDistance, PowerSeries, TooCurved};
 

@@ -1,7 +1,7 @@
 //! The power series at one force element in a step.
 
 use super::coordinate_series::CoordinateSeries;
-use super::element::{ElementData, sum};
+use super::element_data::{ElementData, sum};
 use crate::force::object::{Along, Place};
 use crate::scalar::jet::Tape;
 use crate::series::many::Block;

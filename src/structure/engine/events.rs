@@ -2,13 +2,13 @@
 //! and the list of the events there.
 
 use super::contact_series::ContactSeries;
-use super::edge::Edge;
 use super::element_events::{Passage, first_passage};
+use super::mode_constraints::Modes;
 use super::model::Model;
-use super::modes::Modes;
-use super::plan::Plan;
 use super::series::Series;
 use super::state::{ContactState, Firing, Phase, Situation};
+use super::step_size::Plan;
+use super::stick_band_edge::Edge;
 use crate::error::Element;
 use crate::force::stop::CLOSED;
 use crate::motion::{Event, EventKind, Mode};

@@ -4,17 +4,17 @@ use std::ops::Range;
 
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::{ALL, CoordinateSeries, DisplacementSeries, Role};
-use super::edge::Edge;
 use super::elastic::spring_order;
-use super::elements::{force_fault, watch};
+use super::element_forces::{force_fault, watch};
 use super::fault::{Fault, FaultyLaw};
-use super::group_series::Waves;
 use super::model::{Model, Target};
 use super::series::Series;
-use super::shared::{is_delicate, pull, shared_order};
+use super::shared_contact_orders::{is_delicate, pull, shared_order};
+use super::simd_recurrences::Waves;
 use super::single_slip::{expand_alone, slips_alone};
 use super::state::{Phase, Situation};
-use super::stiff::Stiff;
+use super::stick_band_edge::Edge;
+use super::stiff_sliding_speeds::Stiff;
 use crate::force::stop::CLOSED;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -88,7 +88,7 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// then computed for all masses at once.
 ///
 /// Simple cases are computed by faster code, with the same result to rounding: `single_slip.rs`
-/// computes a single coordinate that slips while all others are held, `groups.rs` several ones.
+/// computes a single coordinate that slips while all others are held, `simd_groups.rs` several ones.
 /// Without the first a whole run takes 1.4 times as many instructions for one mass on a belt, and
 /// 1.05 times for two; without the second 1.4 times for two masses, and 1.6 to 1.7 times for 4 and
 /// 16. The slow manifolds and delicate edges need each order for itself.

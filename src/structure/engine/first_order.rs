@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::contact::Entries;
+use super::contact_data::Entries;
 use super::coordinate_series::DisplacementSeries;
-use super::element::sum;
+use super::element_data::sum;
 use crate::drive::Drive;
 use crate::series::PowerSeries;
 

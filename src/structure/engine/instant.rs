@@ -1,10 +1,10 @@
 //! Forces and accelerations at any time within a step, from its series and its modes.
 
-use super::contact::{ContactData, Site};
-use super::factor::Holding;
+use super::cholesky::Holding;
+use super::contact_data::{ContactData, Site};
 use super::limits::limit_force;
-use super::mechanisms::Resting;
 use super::model::Model;
+use super::redundant_contacts::Resting;
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::memory::Slip;

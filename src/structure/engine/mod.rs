@@ -10,101 +10,100 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `model.rs`, `sparse.rs` | data that are constant in a motion |
-//! | `state.rs`, `edge.rs` | the situation: data that change at events |
+//! | `state.rs`, `stick_band_edge.rs` | the situation: data that change at events |
 //! | `series.rs` | the data of one step; those of a coordinate `coordinate_series.rs`, of a contact `contact_series.rs`, of a force element `element_series.rs` |
 //! | `fault.rs` | faults of laws |
 //! | `expand.rs` | the power series of all coordinates, order by order |
-//! | `contact_orders.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
-//! | `groups.rs`, `group_series.rs` | those of simple contacts and of force elements, four side by side: what a step begins with, and order by order |
+//! | `contact_orders.rs`, `shared_contact_orders.rs` | an order of one contact, and of contacts that share coordinates |
+//! | `simd_groups.rs`, `simd_recurrences.rs` | those of simple contacts and of force elements, four side by side: what a step begins with, and order by order |
 //! | `single_slip.rs` | those of a coordinate that slips while all others are held |
-//! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
+//! | `coupling.rs`, `cholesky.rs` | the forces in several sticking contacts at once |
 //! | `instant.rs` | forces and accelerations at any time within a step |
-//! | `plan.rs`, `sizes.rs` | the length of a step, and the errors allowed in it |
-//! | `reach.rs`, `time_scales.rs` | how far its series reach; its unit of time, and the rates at which velocities settle |
+//! | `step_size.rs`, `rounding_scales.rs` | the length of a step, and the errors allowed in it |
+//! | `convergence_radius.rs`, `time_scales.rs` | how far its series reach; its unit of time, and the rates at which velocities settle |
 //! | `elastic.rs` | elastic contacts, and normal springs |
-//! | `elements.rs`, `element_events.rs` | force elements and stops; where pieces of their laws meet |
-//! | `first_order.rs`, `first_orders.rs` | first-order states: their data, and their orders |
-//! | `slow_manifold.rs`, `stiff.rs` | the slow manifold of stiff bristles, and of contacts stiff in the speed |
+//! | `element_forces.rs`, `element_events.rs` | force elements and stops; where pieces of their laws meet |
+//! | `first_order.rs`, `first_order_series.rs` | first-order states: their data, and their orders |
+//! | `slow_manifold.rs`, `stiff_sliding_speeds.rs` | the slow manifold of stiff bristles, and of contacts stiff in the speed |
 //! | `directions.rs` | the directions of such contacts |
-//! | `leap.rs`, `implicit.rs` | speeds that settle within the rounding of time, by the implicit Euler method |
+//! | `implicit_euler.rs` | speeds that settle within the rounding of time, by the implicit Euler method |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
 //! | `step_end.rs` | the state at the end of a step |
-//! | `modes.rs` | the modes of all contacts, and the numbers of a state that they determine |
-//! | `modes_after.rs` | the modes of contacts after an event, one by one |
-//! | `shared_modes.rs` | the modes of contacts that share coordinates, together |
-//! | `mechanisms.rs` | the ways in which contacts with dependent directions begin to slip |
-//! | `programme.rs` | the programme for their forces and accelerations |
-//! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
+//! | `mode_constraints.rs` | the modes of all contacts, and the numbers of a state that they determine |
+//! | `mode_decision.rs` | the modes of contacts after an event, one by one |
+//! | `shared_mode_decision.rs` | the modes of contacts that share coordinates, together |
+//! | `redundant_contacts.rs` | the ways in which contacts with dependent directions begin to slip |
+//! | `complementarity.rs` | the programme for their forces and accelerations |
+//! | `drift_correction.rs` | shared coordinates at the end of a step, from what contacts hold |
 
 mod check_start;
-pub(crate) mod contact;
+pub(crate) mod cholesky;
+mod complementarity;
+pub(crate) mod contact_data;
 mod contact_orders;
 mod contact_series;
+mod convergence_radius;
 mod coordinate_series;
 mod coupling;
 mod defect;
 pub(crate) mod directions;
-mod edge;
+mod drift_correction;
 mod elastic;
-pub(crate) mod element;
+pub(crate) mod element_data;
 mod element_events;
+mod element_forces;
 mod element_series;
-mod elements;
 mod events;
 mod expand;
-pub(crate) mod factor;
 mod fault;
 pub(crate) mod first_order;
-mod first_orders;
-mod group_series;
-mod groups;
-mod implicit;
+mod first_order_series;
+mod implicit_euler;
 pub(crate) mod instant;
-mod leap;
 pub(super) mod limits;
-mod mechanisms;
+pub(crate) mod mode_constraints;
+mod mode_decision;
 pub(crate) mod model;
-pub(crate) mod modes;
-mod modes_after;
-mod plan;
-mod programme;
-mod reach;
-mod reconcile;
+mod redundant_contacts;
+mod rounding_scales;
 mod series;
-mod shared;
-mod shared_modes;
+mod shared_contact_orders;
+mod shared_mode_decision;
+mod simd_groups;
+mod simd_recurrences;
 mod single_slip;
-mod sizes;
 pub(crate) mod slow_manifold;
 pub(crate) mod sparse;
 mod state;
 mod step_end;
-mod stiff;
+mod step_size;
+mod stick_band_edge;
+mod stiff_sliding_speeds;
 mod time_scales;
 
 use std::sync::Arc;
 
 pub(crate) use check_start::check_sizes;
 pub(super) use check_start::check_start;
+use cholesky::ROUNDING;
 use contact_series::ContactSeries;
 use coordinate_series::ALL;
-use edge::{Edge, side_of};
-use elements::singular_force;
+use element_forces::singular_force;
 use events::{Firings, events_between, first_firings, go_through};
 use expand::{expand, expand_drives};
-use factor::ROUNDING;
 use limits::larger_finite;
-use mechanisms::Mechanism;
+use mode_constraints::{At, Modes};
+use mode_decision::{begin, decide, slide};
 use model::Model;
-use modes::{At, Modes};
-use modes_after::{begin, decide, slide};
-use plan::{
-    Control, LONGEST_STEP, SETTLED, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter,
-};
+use redundant_contacts::Mechanism;
 use series::Series;
 use state::{Disturbance, Phase, Situation};
 use step_end::{AcceptedStep, land};
+use step_size::{
+    Control, LONGEST_STEP, SETTLED, is_finite, is_linear, plan_explicit, plan_memory, plan_shorter,
+};
+use stick_band_edge::{Edge, side_of};
 
 use super::carried::Carried;
 use super::mechanism;
@@ -349,7 +348,8 @@ impl<'s> Engine<'s> {
             // This is the expansion before that of the slow manifold, so it has no fault.
             let _ = expand(model, situation, series, ALL);
         }
-        let found = leap::leap(model, situation, series, &control.plan, to_break, firings);
+        let found =
+            implicit_euler::leap(model, situation, series, &control.plan, to_break, firings);
         let Some(duration) = found else {
             if let Some(slow) = slow {
                 *series = slow;

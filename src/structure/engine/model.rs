@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::contact::{ContactData, Entries, Kinematics, Site, entry};
-use super::element::ElementData;
+use super::contact_data::{ContactData, Entries, Kinematics, Site, entry};
+use super::element_data::ElementData;
 use super::first_order::{FirstOrderData, fastest_loop, find_acting};
 use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;

@@ -3,9 +3,9 @@
 use super::contact_series::ContactSeries;
 use super::coordinate_series::CoordinateSeries;
 use super::element_series::ElementSeries;
-use super::groups::Groups;
 use super::model::Model;
-use crate::friction::slip::Expander;
+use super::simd_groups::Groups;
+use crate::friction::slip_series::Expander;
 use crate::series::{PowerSeries, TERMS};
 
 /// The power series of a step.

@@ -7,12 +7,12 @@ use std::cell::RefCell;
 
 use super::contact_series::StepMode;
 use super::coordinate_series::{ALL, CoordinateSeries, Role};
-use super::edge::side_of;
-use super::elements::Pushing;
+use super::element_forces::Pushing;
 use super::model::Model;
 use super::series::Series;
+use super::stick_band_edge::side_of;
 use crate::clock::Time;
-use crate::friction::slip::{Equation, Expansion, Known, SlipPoint};
+use crate::friction::slip_series::{Equation, Expansion, Known, SlipPoint};
 use crate::series::{INTEGRAL, PowerSeries};
 
 /// Computes all orders of the coordinate and the contact that slip alone, and all after the first

@@ -1,5 +1,5 @@
 //! The slow manifold of stiff bristles, or of any memory of one variable, and whether a motion has
-//! reached it; that of contacts that are stiff in the sliding speed is computed in `stiff.rs`.
+//! reached it; that of contacts that are stiff in the sliding speed is computed in `stiff_sliding_speeds.rs`.
 //!
 //! In sustained slip the memory of a contact relaxes at a rate D = −∂z'/∂z far above the rates of
 //! the masses. The length of an explicit step is then about 10/D, even if the motion is slow,
@@ -30,10 +30,10 @@
 use super::coordinate_series::ALL;
 use super::expand::{expand, expand_slow};
 use super::model::Model;
-use super::plan::{Control, LONGEST_STEP, SETTLED, plan_explicit, plan_reach};
 use super::series::Series;
 use super::state::{Phase, Situation};
-use super::stiff::Stiff;
+use super::step_size::{Control, LONGEST_STEP, SETTLED, plan_explicit, plan_reach};
+use super::stiff_sliding_speeds::Stiff;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{EXPLICIT, SETTLING};

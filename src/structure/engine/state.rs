@@ -1,13 +1,13 @@
 //! The situation: data that change at events.
 
-use super::contact::ContactData;
-use super::edge::Edge;
+use super::cholesky::{Holding, Pivot};
+use super::contact_data::ContactData;
 use super::element_events::ElementState;
-use super::factor::{Holding, Pivot};
 use super::limits::larger_finite;
-use super::mechanisms::Mechanism;
 use super::model::Model;
+use super::redundant_contacts::Mechanism;
 use super::series::Series;
+use super::stick_band_edge::Edge;
 use crate::clock::Clock;
 use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;

@@ -1,14 +1,14 @@
 //! The state at the end of a step: what was integrated, and what reached zero, to the bit.
 
-use super::edge::Edge;
+use super::drift_correction::{arrive_with_others, reconcile};
 use super::elastic::land_springs;
 use super::events::Firings;
 use super::expand::expand_drives;
+use super::mode_decision::set_phase;
 use super::model::Model;
-use super::modes_after::set_phase;
-use super::reconcile::{arrive_with_others, reconcile};
 use super::series::Series;
 use super::state::{Disturbance, Entry, Firing, Phase, Situation};
+use super::stick_band_edge::Edge;
 use crate::clock::Clock;
 use crate::series::PowerSeries;
 

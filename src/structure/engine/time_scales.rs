@@ -1,11 +1,11 @@
 //! The time unit in which step lengths are measured, and the rates at which velocities settle.
 
-use super::contact::ContactData;
+use super::contact_data::ContactData;
 use super::contact_series::ContactSeries;
+use super::convergence_radius::{CoordinateMotion, motion};
 use super::model::Model;
-use super::reach::{CoordinateMotion, motion};
+use super::rounding_scales::load_terms;
 use super::series::Series;
-use super::sizes::load_terms;
 use super::state::{ContactState, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};
 

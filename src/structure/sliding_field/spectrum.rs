@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::super::equilibrium::{self, inverse_mass_times};
+use super::super::equilibrium_newton::{self, inverse_mass_times};
 use super::super::freedom::{direction_row, elastic_rows, null_space, rate_rows, units};
 use super::{Slides, SlidingField};
 use crate::numerics::eigenvalues::{balance, eigenvalues as eigenvalues_of, growing};
@@ -144,7 +144,7 @@ impl SlidingField<'_, '_> {
             .map(|b| inverse_mass_times(self.model, units, &b.into_owned()));
         let responses = DMatrix::from_columns(&responses.collect::<Vec<_>>());
         let compliance = along.transpose() * &responses;
-        let least = equilibrium::ROUNDING * compliance.amax();
+        let least = equilibrium_newton::ROUNDING * compliance.amax();
         let inverse = compliance.pseudo_inverse(least).ok()?;
         Some(identity - responses * inverse * along.transpose())
     }
@@ -164,7 +164,7 @@ fn complement(n: usize, vectors: impl Iterator<Item = DVector<f64>>) -> DMatrix<
     }
     let eigen = squares.symmetric_eigen();
     let largest = eigen.eigenvalues.amax();
-    let is_normal = |i: &usize| eigen.eigenvalues[*i] <= equilibrium::ROUNDING * largest;
+    let is_normal = |i: &usize| eigen.eigenvalues[*i] <= equilibrium_newton::ROUNDING * largest;
     let normal: Vec<usize> = (0..n).filter(is_normal).collect();
     eigen.eigenvectors.select_columns(&normal)
 }
