@@ -255,7 +255,7 @@ enum Step<V> {
     Vanishes([f64; 2]),
 }
 
-/// The curve from a point against its tangent, and along it. A closed one is followed along it only.
+/// The curve from a point against its tangent, and along it; a closed one is followed along it only.
 pub(crate) fn both_ways<E: Equations>(
     equations: &E,
     first: &Point<E::Value>,
@@ -270,12 +270,11 @@ pub(crate) fn both_ways<E: Equations>(
     [down, up]
 }
 
-/// The points and the special points of both halves of a curve, in order from one end to the other;
-/// each special point with its test.
-pub(crate) fn joined<V: Clone>(
-    [down, up]: [Half<V>; 2],
-    first: &Point<V>,
-) -> (Vec<Point<V>>, Vec<(usize, Point<V>)>) {
+/// The points of a curve, and its special points, each with its test.
+type Points<V> = (Vec<Point<V>>, Vec<(usize, Point<V>)>);
+
+/// Joins both halves of a curve, in order from one end to the other.
+pub(crate) fn joined<V: Clone>([down, up]: [Half<V>; 2], first: &Point<V>) -> Points<V> {
     let points = down.points.into_iter().rev();
     let points = points.chain([first.clone()]).chain(up.points);
     let special = down.special.into_iter().rev().chain(up.special);
