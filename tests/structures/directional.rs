@@ -7,7 +7,7 @@ use stick_slip::orbit::{self, Period};
 use stick_slip::structure::{NotSliding, State};
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Direction, Directional, Drive, Error, EventKind, Freewheel,
-    FrictionLaw, Mode, Motion, Scalar, Slip, Structure, Tabulated,
+    FrictionLaw, Integrator, Mode, Motion, RateState, Scalar, Slip, Stribeck, Structure, Tabulated,
 };
 
 use crate::common::any::Any;
@@ -540,6 +540,57 @@ fn motions_of_unequal_friction_have_derivatives() {
         for (k, event) in found.events().iter().enumerate() {
             let slope = (late[k] - early[k]) / (2.0 * H);
             assert_abs_diff_eq!(event.by_parameters[j], slope, epsilon = 1e-6);
+        }
+    }
+}
+
+/// A freewheel at rest has an infinite limit, which no coefficient of a series beside it
+/// overflows. It moves as a contact with a limit that is large.
+#[test]
+fn a_freewheel_rests_beside_a_contact_that_is_stiff_in_the_speed() {
+    let creeping = RateState::aging(0.4, 0.09, 0.1, 0.3, 0.1).unwrap();
+    let steep = Stribeck::new(0.4, 0.25, 0.1, 1)
+        .and_then(|law| law.with_viscous_coefficient(1e4))
+        .unwrap();
+    let mut random = Random::new(62);
+    for i in 0..count(12, 200) {
+        let [m, n, k, l, load, force] = [(); 6].map(|()| random.uniform(0.5, 2.0));
+        let (frequency, belt) = (random.uniform(0.5, 2.0), random.uniform(-0.5, 0.5));
+        let moved = |is_freewheel: bool| {
+            let pair = || {
+                Structure::new(&[m, n])?
+                    .with_ground_spring(0, k)?
+                    .with_ground_spring(1, l)?
+                    .with_ground_damper(0, 0.1)?
+                    .with_ground_damper(1, 0.1)?
+                    .with_force(1, Drive::harmonic(force, frequency, 0.5)?)
+            };
+            let joint = |structure: Structure| match is_freewheel {
+                true => {
+                    let law = Freewheel::new(even(0.3))?;
+                    structure.with_contact(Contact::between(0, 1, law, 1.1)?)
+                }
+                false => {
+                    let law = Directional::new(even(1e7), even(0.3))?;
+                    structure.with_contact(Contact::between(0, 1, law, 1.1)?)
+                }
+            };
+            let belted = match i % 2 {
+                0 => pair()?.with_contact(Contact::new(0, creeping, load)?.on_belt(belt))?,
+                _ => pair()?.with_contact(Contact::new(0, steep, load)?.on_belt(belt))?,
+            };
+            let memory = vec![0.0; 1 - i % 2];
+            let start = State::new(&[0.2; 2], &[0.0, 0.1]).with_memory(&memory);
+            let fine = Integrator::new().with_tolerance(1e-14)?;
+            fine.simulate(&joint(belted)?, start, 15.0)
+        };
+        let [wheel, limit] = [true, false].map(|wheel| moved(wheel).unwrap());
+        let [wheel, limit] = [wheel, limit].map(|motion| motion.last());
+        for (a, b) in std::iter::zip(wheel.displacements, limit.displacements) {
+            assert!(
+                (a - b).abs() < 1e-11 * a.abs().max(1.0),
+                "{i}: {a:e}, {b:e}"
+            );
         }
     }
 }

@@ -120,12 +120,14 @@ impl Series {
         }
     }
 
-    /// The series that follow from the equations of motion.
+    /// The series that follow from the equations of motion. A limit that is infinite, as that of a
+    /// freewheel, does not.
     fn integrated(&mut self) -> (&mut [CoordinateSeries], Vec<&mut PowerSeries>) {
         let contacts = self.contacts.iter_mut().flat_map(|of| {
             let own = [&mut of.speeds, &mut of.friction, &mut of.carried];
+            let bounds = of.bounds.iter_mut();
             own.into_iter()
-                .chain(&mut of.bounds)
+                .chain(bounds.filter(|bound| !bound[0].is_infinite()))
                 .chain(&mut of.memories)
         });
         let elements = self.elements.iter_mut().flat_map(|of| {
