@@ -6,6 +6,9 @@ use num_complex::Complex;
 use crate::numerics::eigenvalues::{eigenvalues, reflected};
 use crate::numerics::sort::sort_by;
 
+/// The part of a vector across others, relative to it, that is rounding.
+const DEPENDENT: f64 = 1e-13;
+
 /// The multipliers by falling modulus, without the 1 that belongs to each vector of `shifts`;
 /// `None` if they do not converge.
 ///
@@ -41,8 +44,12 @@ pub(super) fn multipliers(
         .chain(shifts.iter().map(|shift| vector(&|i| shift[i] / sizes[i])))
         .collect();
     normals.reverse();
-    while let Some(normal) = normals.pop() {
-        scaled = across(&scaled, normal, &mut normals);
+    let mut sizes: Vec<_> = normals.iter().map(|normal| normal.norm()).collect();
+    while let (Some(normal), Some(size)) = (normals.pop(), sizes.pop()) {
+        // One that depends on those before it has no direction left.
+        if normal.norm() > DEPENDENT * size {
+            scaled = across(&scaled, normal, &mut normals);
+        }
     }
     let count = order.saturating_sub(shifts.len());
     let mut values = eigenvalues(scaled)?;

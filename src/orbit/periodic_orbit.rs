@@ -231,7 +231,8 @@ impl<S: SystemState> Orbit<S> {
         &self.multipliers
     }
 
-    /// The numbers of the contacts that never slip in the period.
+    /// The numbers of the contacts that never slip in the period. Of rigid contacts whose
+    /// directions depend on each other those are listed that determine the others.
     ///
     /// If there are such contacts, the motion belongs to a continuous family. The position at which
     /// a rigid contact sticks is arbitrary. For an elastic contact the position of the slider is

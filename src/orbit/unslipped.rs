@@ -49,8 +49,9 @@ pub(super) fn slips_one_way(
 }
 
 /// Contacts that stick in all of these steps to surfaces that return to their positions. Each rigid
-/// contact determines one displacement, the one with the largest coefficient. Elastic contacts come
-/// last, because they determine no displacement.
+/// contact determines one displacement, the one with the largest coefficient; one whose direction
+/// depends on those before it none, and it is left out. Elastic contacts come last, because they
+/// determine no displacement.
 pub(super) fn unslipped(
     form: &GeneralForm<'_>,
     steps: &[Step],
@@ -58,6 +59,8 @@ pub(super) fn unslipped(
 ) -> Vec<Unslipped> {
     /// The apparent displacement, in parts of the displacements, of a surface that comes back.
     const ROUNDING: f64 = 1e-9;
+    /// The part of a direction across others, relative to it, that is rounding.
+    const DEPENDENT: f64 = 1e-13;
     let never_slips = never_slips(steps);
     let comes_back = |c: &usize| {
         let contact = &form.model.contacts[*c];
@@ -89,7 +92,8 @@ pub(super) fn unslipped(
         let mut direction = along(contact, &unslipped);
         let row = direction.icamax();
         let share = std::mem::replace(&mut direction[row], 0.0);
-        if share == 0.0 {
+        let own = form.model.contacts[contact].direction.iter();
+        if share.abs() <= DEPENDENT * own.fold(0.0, |most, &(_, b)| f64::max(most, b.abs())) {
             continue;
         }
         for known in &mut unslipped {

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::orbit::{Orbit, Period, settle};
 use stick_slip::structure::{State, Step};
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
@@ -583,4 +584,60 @@ fn multipliers_of_linear_structures_are_exponentials() {
         let bound = 8.0 * f64::EPSILON * fastest * rates.amax() / rates.amin();
         assert!(error < bound, "{round}: {error:e} above {bound:e}");
     }
+}
+
+/// Two masses with a joint between them that sticks and slips, or with several that share its load
+/// and slip as one; coefficients of the directions are such that rows depend by rounding only.
+fn jointed(parts: &[f64], random: &mut Random) -> Result<Structure, Error> {
+    let mut uniform = |low: f64, high: f64| random.uniform(low, high);
+    let mut structure = Structure::new(&[uniform(0.5, 2.0), uniform(0.5, 2.0)])?
+        .with_ground_spring(0, uniform(0.8, 2.0))?
+        .with_ground_spring(1, uniform(0.4, 1.0))?
+        .with_spring(0, 1, uniform(0.5, 2.0))?
+        .with_ground_damper(0, uniform(0.02, 0.1))?
+        .with_ground_damper(1, uniform(0.02, 0.2))?
+        .with_force(0, Drive::harmonic(uniform(0.6, 1.2), 1.1, 0.4)?)?;
+    for (i, part) in parts.iter().enumerate() {
+        let lever = 1.0 + 0.3 * i as f64;
+        let law = Coulomb::new(0.4, 0.3)?;
+        let joint = Contact::along(&[(0, lever), (1, -lever)], law, part * 0.5 / lever)?;
+        structure = structure.with_contact(joint)?;
+    }
+    Ok(structure)
+}
+
+#[test]
+fn multipliers_are_the_same_if_joints_share_the_load_of_one() {
+    let (mut compared, mut slipping) = (0, 0);
+    for seed in 0..count(12, 120) as u64 {
+        let settled = |parts: &[f64]| {
+            let system = jointed(parts, &mut Random::new(seed)).unwrap();
+            let start = State::new(&[0.3, 0.1], &[0.0; 2]);
+            settle(&system, &start, 400.0, Period::Driven(1)).ok()
+        };
+        let (Some(one), Some(three)) = (settled(&[1.0]), settled(&[0.25, 0.25, 0.5])) else {
+            continue;
+        };
+        let apart = one.extremes(1).1 - three.extremes(1).1;
+        if apart.abs() > 1e-10 {
+            continue;
+        }
+        compared += 1;
+        slipping += usize::from(one.events().len() > 1);
+        let moduli = |orbit: &Orbit<State>| -> Vec<f64> {
+            orbit.multipliers().iter().map(|m| m.norm()).collect()
+        };
+        for (found, expected) in std::iter::zip(moduli(&three), moduli(&one)) {
+            assert!(
+                (found - expected).abs() < 1e-8,
+                "{seed}: {:?}, not {:?}",
+                three.multipliers(),
+                one.multipliers()
+            );
+        }
+    }
+    assert!(
+        2 * compared > count(12, 120) && slipping > 2,
+        "{compared}, {slipping}"
+    );
 }

@@ -58,6 +58,7 @@ pub(in crate::orbit) fn held_period_map(
     let is_kept_apart = creeps && form.is_free() && holds.is_empty();
     let mut held = Vec::new();
     let mut dead = 0;
+    let (mut modes, mut sticking) = (Vec::new(), Vec::new());
     while steps.last().is_none_or(|step| step.end_time() < end_time) {
         let Some(step) = flow.fetch(end_time) else {
             break;
@@ -73,7 +74,10 @@ pub(in crate::orbit) fn held_period_map(
                 along.take(&mut flow.tangents, rates, step.state());
             }
             let rows = dead_rows(&flow.tangents);
-            let sticking = held_by(form, step.modes());
+            if step.modes() != &modes[..] {
+                modes = step.modes().to_vec();
+                sticking = held_by(form, &modes);
+            }
             let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.is_held(row);
             let now = rows.iter().enumerate().filter(dead_alone).count()
                 + sticking.len()
@@ -83,7 +87,7 @@ pub(in crate::orbit) fn held_period_map(
                 let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
                 let since = along.end(flow.replace(alive));
                 head = (head.0.then(&since), rates.clone());
-                (dead, held) = (now, sticking);
+                (dead, held) = (now, sticking.clone());
             }
             if is_first {
                 (is_first, first_flow) = (false, rates);
@@ -240,13 +244,12 @@ pub(in crate::orbit) fn carried(
     Ok(flow.tangents)
 }
 
-/// The directions of sticking contacts that share coordinates, as rows for states.
+/// The independent directions of sticking contacts that share coordinates, as rows for states.
 fn held_by(form: &GeneralForm<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
-    let model = &form.model;
-    let sticking = model.shared.iter().filter(|&&c| modes[c] == Mode::Stick);
-    let rows = sticking.map(|&c| {
+    let holding = form.model.holding(&|c| modes[c] == Mode::Stick);
+    let rows = holding.contacts.iter().map(|&c| {
         let mut row = DVector::zeros(form.order());
-        for &(j, b) in model.contacts[c].direction.iter() {
+        for &(j, b) in form.model.contacts[c].direction.iter() {
             row[form.len() + j] = b;
         }
         row
