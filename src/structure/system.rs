@@ -134,7 +134,9 @@ use crate::friction::memory::ContactLaw;
 ///
 /// Any consistent units may be used, SI or dimensionless. With kilograms, newtons and metres, times
 /// are in seconds. A rotational coordinate has a moment of inertia in kg·m², torques in N·m, and an
-/// angle in radians.
+/// angle in radians. Power series have coefficients up to ω²⁶ with the largest angular
+/// frequency ω: choose a unit of time in which ω is below 1e11, microseconds instead of seconds for
+/// atoms.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure};

@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 use serde_json::Value;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::orbit::{
-    self, BifurcationKind, Branch, BranchEnd, BranchPoint, Orbit, Period, follow, settle, shoot,
+    self, BifurcationKind, Branch, BranchEnd, BranchPoint, Orbit, Period, Search, follow, settle,
+    shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{
@@ -18,7 +19,7 @@ use stick_slip::{
 };
 
 use crate::common::orbit::last_turn;
-use crate::common::{count, exactly, number, one_mass, some};
+use crate::common::{Random, count, exactly, number, one_mass, some};
 use crate::reading::{cases, structure};
 
 /// Error promised for every parameter.
@@ -884,4 +885,57 @@ fn an_event_may_pass_the_start_at_a_sharp_corner() -> Result<(), Error> {
     assert_abs_diff_eq!(low.0, high.0, epsilon = 1e-10);
     assert_abs_diff_eq!(low.1, high.1, epsilon = 1e-10);
     Ok(())
+}
+
+/// A joint, and a contact on the ground at one of its masses: where both stick, the start of a
+/// motion is at rest to the bit, so that a motion from it has the events of the orbit.
+#[test]
+fn starts_at_which_contacts_share_a_mass_stick() {
+    let mut random = Random::new(61);
+    let (mut at_rest, mut branches) = (0, 0);
+    for i in 0..count(4, 40) {
+        let uniform = |random: &mut Random, low: f64, high: f64| random.uniform(low, high);
+        let [a, b, c] = [(); 3].map(|()| uniform(&mut random, 0.0, 1.0));
+        let (force, frequency) = (
+            uniform(&mut random, 0.3, 1.3),
+            uniform(&mut random, 0.6, 1.6),
+        );
+        let phase = uniform(&mut random, 0.0, 6.0);
+        let family = |factor: f64| -> Result<Structure, Error> {
+            Structure::new(&[1.0 + a, 1.0 + b])?
+                .with_ground_spring(0, 1.0)?
+                .with_ground_spring(1, 0.9)?
+                .with_spring(0, 1, 1.0 + c)?
+                .with_ground_damper(0, 0.05)?
+                .with_ground_damper(1, 0.1)?
+                .with_force(0, Drive::harmonic(force * factor, frequency, phase)?)?
+                .with_contact(Contact::between(0, 1, Coulomb::new(0.4, 0.25)?, 0.5)?)?
+                .with_contact(Contact::new(1, Coulomb::new(0.4, 0.36)?, 0.9)?)
+        };
+        let start = State::new(&[-0.4, 0.2], &[0.0; 2]);
+        let Ok(orbit) = settle(&family(1.0).unwrap(), &start, 600.0, Period::Driven(1)) else {
+            continue;
+        };
+        if orbit.events().is_empty() {
+            continue;
+        }
+        let search = Search::new().with_max_steps(400_000).unwrap();
+        let Ok(branch) = search.follow(family, 1.0, &orbit, 0.95..1.05) else {
+            continue;
+        };
+        branches += 1;
+        for point in &branch.points {
+            let state = point.orbit.state();
+            let is_rest = |v: &f64| *v == 0.0;
+            at_rest += usize::from(state.velocities.iter().any(is_rest));
+            // What is no rounding of 0 is a velocity.
+            let is_bit = |v: &f64| *v != 0.0 && v.abs() < 1e-17;
+            assert!(
+                !state.velocities.iter().any(is_bit),
+                "{i}, {}: {state:?}",
+                point.parameter
+            );
+        }
+    }
+    assert!(branches > 1 && at_rest > 0, "{branches}, {at_rest}");
 }

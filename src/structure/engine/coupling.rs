@@ -29,6 +29,11 @@ impl Model<'_> {
         for (j, correction) in self.corrections(&holding, &relative) {
             velocities[j] -= correction;
         }
+        // To the bit: what rounding leaves would be a slip.
+        let surface = |c: usize| self.contacts[c].belt_velocity.value(time);
+        for pivot in self.pivots(&holding.contacts) {
+            velocities[pivot.coordinate] = pivot.velocity(surface, |j| velocities[j]);
+        }
     }
 
     /// The constraints of the shared contacts that stick, one for each independent direction.
