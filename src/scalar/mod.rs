@@ -5,6 +5,7 @@
 // |---|---|
 // | `mod.rs` | `Scalar`: what a law may do with a number |
 // | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
+// | `view.rs` | operators that both kinds of Taylor coefficients have alike |
 // | `fused.rs` | with which instructions they are computed, where that is chosen at run time |
 // | `dual.rs` | any of the numbers with its derivative along one direction |
 // | `recorded.rs`, `lanes.rs` | notes of what a law does with a number, and the Taylor coefficients of four laws side by side by these notes: code that knows no law, for many masses |
@@ -21,6 +22,7 @@ pub(crate) mod recorded;
 mod taylor;
 #[cfg(test)]
 mod tests;
+mod view;
 
 pub(crate) use taylor::{Composed, LONGEST, Workspace, expand};
 

@@ -3,10 +3,11 @@
 //! Each gives, in run 0, the value and the slope of its result, and in run K ≥ 1 the rest of its
 //! K-th coefficient.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul};
 
 use super::fused::mul_add;
 use super::taylor::{Taylor, inner_product, inner_square};
+use super::view::view_operators;
 use super::{Scalar, integral, power_by_squaring, root_beside_one, sealed};
 
 impl<const K: usize, const M: usize> sealed::Sealed for Taylor<'_, K, M> {}
@@ -230,18 +231,6 @@ impl<const K: usize, const M: usize> Taylor<'_, K, M> {
     }
 }
 
-impl<const K: usize, const M: usize> Neg for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self {
-            scale: -self.scale,
-            value: -self.value,
-            ..self
-        }
-    }
-}
-
 impl<const K: usize, const M: usize> Add for Taylor<'_, K, M> {
     type Output = Self;
     #[inline(always)]
@@ -252,14 +241,6 @@ impl<const K: usize, const M: usize> Add for Taylor<'_, K, M> {
             || (a.value + b.value, a.derivative() + b.derivative()),
             || mul_add(a.scale, a.rest, b.scale * b.rest),
         )
-    }
-}
-
-impl<const K: usize, const M: usize> Sub for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self + -other
     }
 }
 
@@ -305,48 +286,4 @@ impl<const K: usize, const M: usize> Div for Taylor<'_, K, M> {
     }
 }
 
-impl<const K: usize, const M: usize> Add<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, c: f64) -> Self {
-        Self {
-            value: self.value + c,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Sub<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, c: f64) -> Self {
-        Self {
-            value: self.value - c,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Mul<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, c: f64) -> Self {
-        Self {
-            scale: self.scale * c,
-            value: self.value * c,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Div<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, c: f64) -> Self {
-        Self {
-            scale: self.scale / c,
-            value: self.value / c,
-            ..self
-        }
-    }
-}
+view_operators!(['r, const K: usize, const M: usize] Taylor<'r, K, M>);

@@ -1,10 +1,11 @@
 //! The operations of a Taylor number whose order is a run-time value: the recurrences of
 //! `scalar/operations.rs`, one order in each run.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul};
 
 use super::{Jet, Line};
 use crate::scalar::products::{inner_product, inner_square};
+use crate::scalar::view::view_operators;
 use crate::scalar::{
     INVERSE, LONGEST, Scalar, integral, mul_add, power_by_squaring, root_beside_one, sealed,
 };
@@ -247,14 +248,6 @@ impl Scalar for Jet<'_> {
     }
 }
 
-impl Neg for Jet<'_> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self * -1.0
-    }
-}
-
 impl Add for Jet<'_> {
     type Output = Self;
     #[inline(always)]
@@ -265,14 +258,6 @@ impl Add for Jet<'_> {
             || (a.value + b.value, a.derivative() + b.derivative()),
             |_| mul_add(a.scale, a.rest, b.scale * b.rest),
         )
-    }
-}
-
-impl Sub for Jet<'_> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self + -other
     }
 }
 
@@ -317,45 +302,4 @@ impl Div for Jet<'_> {
     }
 }
 
-impl Add<f64> for Jet<'_> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, c: f64) -> Self {
-        Self {
-            value: self.value + c,
-            ..self
-        }
-    }
-}
-
-impl Sub<f64> for Jet<'_> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, c: f64) -> Self {
-        self + -c
-    }
-}
-
-impl Mul<f64> for Jet<'_> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, c: f64) -> Self {
-        Self {
-            scale: self.scale * c,
-            value: self.value * c,
-            ..self
-        }
-    }
-}
-
-impl Div<f64> for Jet<'_> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, c: f64) -> Self {
-        Self {
-            scale: self.scale / c,
-            value: self.value / c,
-            ..self
-        }
-    }
-}
+view_operators!(['r] Jet<'r>);
