@@ -314,23 +314,29 @@ impl<S: Oscillator> SpeedSection<'_, S> {
             return;
         };
         let mut passages = passages(&relative, self.speed, step.duration());
-        let first = passages.first();
-        let starts_faster = first.map_or(relative[0].abs() > self.speed, |first| !first.1);
-        if self
-            .was_faster
-            .is_some_and(|was_faster| was_faster != starts_faster)
-        {
-            // A passage near the end of the last step may be seen again.
-            let is_near = |t: f64| {
-                let beyond = relative.at(t).abs() - self.speed;
-                beyond.abs() <= ROUNDING * self.speed
-            };
+        let beyond = |t: f64| relative.at(t).abs() - self.speed;
+        let is_near = |t: f64| beyond(t).abs() <= ROUNDING * self.speed;
+        let starts_faster = match passages.first() {
+            Some((_, rises)) => !rises,
+            None => {
+                let middle = 0.5 * step.duration();
+                let middle = if middle.is_finite() { middle } else { 0.0 };
+                // At V, as at a start, rounding has no side.
+                if is_near(middle) {
+                    return;
+                }
+                beyond(middle) > 0.0
+            }
+        };
+        let ends_faster = passages.last().map_or(starts_faster, |last| last.1);
+        if self.was_faster != Some(starts_faster) {
+            // A passage near the end of the last step, or a start, may be seen again.
             match passages.first() {
                 Some(&(t, _)) if is_near(0.0) && is_near(0.5 * t) => _ = passages.remove(0),
-                _ => passages.insert(0, (0.0, starts_faster)),
+                _ if self.was_faster.is_some() => passages.insert(0, (0.0, starts_faster)),
+                _ => (),
             }
         }
-        let ends_faster = passages.last().map_or(starts_faster, |last| last.1);
         self.was_faster = Some(ends_faster);
         self.passages
             .extend(passages.into_iter().map(|(t, rises)| Passage {

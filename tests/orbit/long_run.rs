@@ -376,7 +376,16 @@ fn speeds_pass_a_value_where_samples_see_it() {
                 all += 1;
             }
             for pair in found.windows(2) {
-                assert!(pair[0].rises != pair[1].rises && pair[0].time < pair[1].time);
+                let [one, next] = [&pair[0], &pair[1]];
+                assert!(one.rises != next.rises && one.time < next.time);
+                // A start at a passage does not count: the next one is the first.
+                let again = section_through(&system, &one.state, contact, threshold.1).next();
+                let again = again.unwrap().unwrap();
+                assert!(
+                    (one.time + again.time - next.time).abs() < 1e-9,
+                    "{again:?} {next:?}"
+                );
+                assert_eq!(again.rises, next.rises);
             }
         }
     }
