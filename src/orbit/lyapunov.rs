@@ -1,9 +1,10 @@
 //! The largest Lyapunov exponent: the mean growth rate of a small perturbation of a motion.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::attractor::fastest_surface;
 use super::oscillator::Oscillator;
+use super::period_map::{enlarge, sizes, vector};
 use super::tangent::{TangentFlow, flow_of};
 use super::type_erased_system::GeneralForm;
 use crate::error::{Error, Reached};
@@ -87,8 +88,9 @@ pub fn lyapunov<S: Oscillator>(
 /// become exactly zero after a finite time. (The stick phases of one mass on a belt have this
 /// effect; μ is then 0.) It is 0 if all masses stick for ever to surfaces at rest, because a
 /// perturbation of a displacement then remains. The perturbation δx is a solution of the
-/// variational equations, not a difference of motions, so no digits cancel. The memory needed does
-/// not grow with the duration.
+/// variational equations, not a difference of motions, so no digits cancel. In |δx| each number is
+/// in units of its largest size so far, so that the units of the system do not matter. The memory
+/// needed does not grow with the duration.
 ///
 /// The cost is proportional to the duration. The standard error falls at least as fast as
 /// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit
@@ -198,11 +200,12 @@ fn growths(
     duration: f64,
 ) -> Result<Vec<Growth>, Error> {
     let (n, order, is_free) = (form.len(), form.order(), form.is_free());
+    let mut norm = Norm::new(form, start);
     // Any change will do that is not special. Memories take theirs from the motion, so that those
     // on which nothing depends have none.
     let change = |i: usize, _| {
         if i < 2 * n {
-            ((i + 1) as f64).sqrt()
+            ((i + 1) as f64).sqrt() * norm.sizes[i]
         } else {
             0.0
         }
@@ -230,7 +233,7 @@ fn growths(
         fastest = fastest.max(largest(&step.state().velocities));
         let moves = largest(&along.as_slice()[..n]) > AT_REST * fastest;
         let along = (is_free && moves).then_some(along.as_slice());
-        let alive = parts.add(begins, normalise(form, &mut flow, along, &step)?);
+        let alive = parts.add(begins, normalise(form, &mut norm, &mut flow, along, &step)?);
         if !alive {
             return Ok(GrowthParts::gone(duration));
         }
@@ -250,7 +253,7 @@ fn growths(
             }
             flow.carry(&step.clone().until(begins + (next - time)))?;
             time = next;
-            if !parts.add(time, normalise(form, &mut flow, along, &step)?) {
+            if !parts.add(time, normalise(form, &mut norm, &mut flow, along, &step)?) {
                 return Ok(GrowthParts::gone(duration));
             }
         }
@@ -296,29 +299,69 @@ impl GrowthParts {
     }
 }
 
+/// The size of perturbations, each number in units of its [size](sizes) in the motion up to the end
+/// of the step, so that it does not depend on the units of the system.
+struct Norm {
+    memory_units: Vec<f64>,
+    largest: DVector<f64>,
+    sizes: DVector<f64>,
+}
+
+impl Norm {
+    fn new(form: &GeneralForm<'_>, start: &State) -> Self {
+        let mut norm = Self {
+            memory_units: form.memory_units(),
+            largest: DVector::zeros(form.order()),
+            sizes: DVector::zeros(0),
+        };
+        norm.include(form, start);
+        norm
+    }
+
+    /// Includes a state of the motion.
+    fn include(&mut self, form: &GeneralForm<'_>, state: &State) {
+        enlarge(&mut self.largest, &vector(state, form.order()));
+        let (largest, time) = (self.largest.clone(), form.model.time_unit);
+        self.sizes = sizes(largest, form.len(), time, &self.memory_units);
+    }
+
+    fn of(&self, x: &[f64]) -> f64 {
+        let parts = std::iter::zip(x, &self.sizes);
+        parts.fold(0.0, |norm: f64, (x, size)| norm.hypot(x / size))
+    }
+
+    /// Removes the part along a vector.
+    fn remove(&self, along: &[f64], x: &mut [f64]) {
+        let length = self.of(along);
+        let rows = std::iter::zip(along, &*x).zip(&self.sizes);
+        let part: f64 = rows
+            .map(|((f, x), size)| f / size / length * (x / size))
+            .sum();
+        for (f, x) in std::iter::zip(along, x) {
+            *x -= part * (f / length);
+        }
+    }
+}
+
 /// Scales the perturbation to size 1, and returns the logarithm of the factor by which it has
-/// grown. The part along the translations that no force depends on is removed first, and so is the
-/// part along an autonomous motion: they neither grow nor decay.
+/// grown since it was scaled last, in the same units. The part along the translations that no force
+/// depends on is removed first, and so is the part along an autonomous motion: they neither grow
+/// nor decay.
 fn normalise(
     form: &GeneralForm<'_>,
+    norm: &mut Norm,
     flow: &mut TangentFlow<'_>,
     along: Option<&[f64]>,
     step: &Step,
 ) -> Result<f64, Error> {
     let before = flow.logarithm.replace(0.0).unwrap_or(0.0);
     let change = flow.tangents.as_mut_slice();
-    let norm = |x: &[f64]| x.iter().fold(0.0, |norm: f64, x| norm.hypot(*x));
-    let whole = norm(change);
+    let whole = norm.of(change);
     form.untranslated(change);
     if let Some(along) = along {
-        let length = norm(along);
-        let products = std::iter::zip(along, &*change);
-        let part: f64 = products.map(|(f, x)| f / length * x).sum();
-        for (f, x) in along.iter().zip(&mut *change) {
-            *x -= part * (f / length);
-        }
+        norm.remove(along, change);
     }
-    let left = norm(change);
+    let left = norm.of(change);
     if !left.is_finite() {
         return Err(Error::StepUnderflow {
             step: 0.0,
@@ -328,6 +371,10 @@ fn normalise(
     if left <= ROUNDING * whole {
         return Ok(f64::NEG_INFINITY);
     }
-    change.iter_mut().for_each(|x| *x /= left);
+    if step.duration() < f64::INFINITY {
+        norm.include(form, &step.end_state());
+    }
+    let unit = norm.of(change);
+    change.iter_mut().for_each(|x| *x /= unit);
     Ok(left.ln() + before)
 }

@@ -447,43 +447,18 @@ impl PeriodMap {
         self.slip_by_rounding.contains(&contact)
     }
 
-    /// The largest size of each number of the state at the ends of steps, displacements without
-    /// their mean velocity; for a velocity at least [`LEAST_VELOCITY`] times its displacement over
-    /// the period, because near steady sliding a velocity is small or rounding only. A memory
-    /// variable may be so small that it changes a friction coefficient by less than rounding,
-    /// because it has decayed or is not used. Its size is the change that changes the coefficient
-    /// by 1. Any other number that is 0, and a displacement or velocity that is a rounding error of
-    /// 0 (as for a mass at a node), gets the size of the largest number of its kind.
+    /// The [`sizes`] at the ends of steps, displacements without their mean velocity; of velocities
+    /// at least [`LEAST_VELOCITY`] times those of their displacements over the period.
     pub(super) fn sizes(&self) -> DVector<f64> {
-        let mut sizes = DVector::zeros(self.order());
+        let mut largest = DVector::zeros(self.order());
         let ends = self.steps.iter();
         let ends = ends.map(|step| self.still(&step.end_state(), step.end_time()));
         for state in std::iter::once(vector(&self.start, self.order())).chain(ends) {
-            sizes.zip_apply(&state, |size: &mut f64, x: f64| *size = size.max(x.abs()));
+            enlarge(&mut largest, &state);
         }
         let n = self.start.displacements.len();
-        let period = self.duration();
-        for i in 0..n {
-            sizes[n + i] = sizes[n + i].max(LEAST_VELOCITY * sizes[i] / period);
-        }
-        let memory = sizes.iter_mut().skip(2 * n);
-        for (size, unit) in memory.zip(&self.memory_units) {
-            if unit.is_finite() && *size <= f64::EPSILON * unit {
-                *size = *unit;
-            }
-        }
-        let mut first = 0;
-        for length in [n, n, self.order() - 2 * n] {
-            let mut part = sizes.rows_mut(first, length);
-            let largest = part.amax();
-            let least = if largest > 0.0 { largest } else { 1.0 };
-            let rounding = if first < 2 * n { NODE * largest } else { 0.0 };
-            part.iter_mut()
-                .filter(|x| **x <= rounding)
-                .for_each(|x| *x = least);
-            first += length;
-        }
-        sizes
+        let time = self.duration() / LEAST_VELOCITY;
+        sizes(largest, n, time, &self.memory_units)
     }
 
     /// The states at the ends and midpoints of steps, displacements without their mean velocity.
@@ -622,6 +597,48 @@ impl PeriodMap {
         let shifts: Vec<_> = shifts.iter().map(kept).collect();
         multipliers(&matrix, &shifts, &held, &kept(&self.sizes())).map(without_translations)
     }
+}
+
+/// Raises the largest size of each number to that in a state.
+pub(super) fn enlarge(largest: &mut DVector<f64>, state: &DVector<f64>) {
+    largest.zip_apply(state, |size: &mut f64, x: f64| *size = size.max(x.abs()));
+}
+
+/// The size of each number of a state of n coordinates, from the largest in a motion; for a
+/// velocity at least that of its displacement over a time, because near steady sliding a velocity
+/// is small or rounding only. A memory variable may be so small that it changes a friction
+/// coefficient by less than rounding, because it has decayed or is not used. Its size is the change
+/// that changes the coefficient by 1. Any other number that is 0, and a displacement or velocity
+/// that is a rounding error of 0 (as for a mass at a node), gets the size of the largest number of
+/// its kind.
+pub(super) fn sizes(
+    largest: DVector<f64>,
+    n: usize,
+    time: f64,
+    memory_units: &[f64],
+) -> DVector<f64> {
+    let mut sizes = largest;
+    for i in 0..n {
+        sizes[n + i] = sizes[n + i].max(sizes[i] / time);
+    }
+    let memory = sizes.iter_mut().skip(2 * n);
+    for (size, unit) in memory.zip(memory_units) {
+        if unit.is_finite() && *size <= f64::EPSILON * unit {
+            *size = *unit;
+        }
+    }
+    let mut first = 0;
+    for length in [n, n, sizes.len() - 2 * n] {
+        let mut part = sizes.rows_mut(first, length);
+        let largest = part.amax();
+        let least = if largest > 0.0 { largest } else { 1.0 };
+        let rounding = if first < 2 * n { NODE * largest } else { 0.0 };
+        part.iter_mut()
+            .filter(|x| **x <= rounding)
+            .for_each(|x| *x = least);
+        first += length;
+    }
+    sizes
 }
 
 /// A state as a vector. Missing memory variables are 0.

@@ -8,8 +8,8 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Error, EventKind, Integrator, MassOnBelt, RateState,
-    Rational, Structure, System, Trajectory, limit_cycle,
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Exponential, FirstOrder, Integrator,
+    MassOnBelt, RateState, Rational, Structure, System, Trajectory, limit_cycle,
 };
 
 use crate::common::{Random, on_belt, one_mass, paper, text};
@@ -167,6 +167,62 @@ fn the_spread_is_the_standard_error_of_sixteen_parts() {
         error > 0.01 && (found.spread / error - 1.0).abs() < 1e-11,
         "{found:?} {error}"
     );
+}
+
+/// The exponent and its standard error, per unit of time, are the same numbers in other units of
+/// time, of length, and of a first-order state. Powers of two change no digit of a motion.
+#[test]
+fn exponents_do_not_depend_on_units() {
+    let found = |[time, length, of_state]: [i32; 3]| {
+        let [t, l, z] = [time, length, of_state].map(|power| 2_f64.powi(power));
+        let (stiffness, force, velocity) = (1.0 / (t * t), l / (t * t), l / t);
+        // z' = (x − z)/0.7.
+        let lag = FirstOrder::lag(0.7 * t)
+            .and_then(|lag| {
+                lag.with_displacement(0, z / l)?
+                    .with_force(0, 0.2 * force / z)
+            })
+            .unwrap();
+        let contact = |i: usize, fall: f64, load: f64, belt: f64| {
+            let law = Exponential::new(0.4, 0.25, fall * velocity).unwrap();
+            let contact = Contact::new(i, law, load * force).unwrap();
+            contact.on_belt(belt * velocity)
+        };
+        let system = Structure::new(&[1.0, 1.0])
+            .and_then(|pair| pair.with_ground_spring(0, stiffness))
+            .and_then(|pair| pair.with_spring(0, 1, 0.7 * stiffness))
+            .and_then(|pair| pair.with_ground_spring(1, 0.9 * stiffness))
+            .and_then(|pair| pair.with_ground_damper(0, 0.02 / t))
+            .and_then(|pair| pair.with_ground_damper(1, 0.02 / t))
+            .and_then(|pair| pair.with_first_order(lag))
+            .and_then(|pair| pair.with_contact(contact(0, 0.5, 1.0, 0.4)))
+            .and_then(|pair| pair.with_contact(contact(1, 0.6, 0.7, 0.45)))
+            .unwrap();
+        let start = State::new(&[0.1 * l, 0.0], &[0.0, 0.1 * velocity]).with_memory(&[0.0]);
+        let found = lyapunov_with_spread(&system, &start, 300.0 * t, 600.0 * t).unwrap();
+        [found.value * t, found.spread * t]
+    };
+    let [value, spread] = found([0, 0, 0]);
+    assert!(value.abs() < 0.1 && spread < 0.01, "{value} {spread}");
+    for units in [
+        [-30, 0, 0],
+        [10, 0, 0],
+        [0, -20, 0],
+        [0, 0, 60],
+        [0, 0, -60],
+        [-30, 20, 60],
+    ] {
+        let other = found(units);
+        println!("{units:?}: {other:?}");
+        assert!(
+            (other[0] - value).abs() < 1e-9,
+            "{units:?}: {other:?} {value}"
+        );
+        assert!(
+            (other[1] - spread).abs() < 1e-9,
+            "{units:?}: {other:?} {spread}"
+        );
+    }
 }
 
 /// Growth by two motions side by side, once a period of the drive: no tangents.

@@ -75,7 +75,7 @@ pub(crate) struct Model<'s> {
     /// this time. Without springs it is computed from the dampers; without dampers it is infinite.
     /// No loop of first-order states is faster either. Springs of contacts and force elements are
     /// not included: see [`time_unit_with`](Self::time_unit_with).
-    pub(super) time_unit: f64,
+    pub(crate) time_unit: f64,
     /// The rate of the fastest loop of first-order states; 0 if there are none.
     loop_rate: f64,
     /// The time in which the fastest drive advances by one radian; infinite without harmonics.
