@@ -121,6 +121,49 @@ fn a_mass_on_a_belt_has_the_curve_in_closed_form_with_its_special_points() {
     }
 }
 
+/// The curve 2β = −dμ̂/ds has one maximum, at v_b = v_s/√2: it is found in rectangles of any width
+/// around it, whichever parameter is the first.
+#[test]
+fn a_maximum_of_the_curve_is_found_in_rectangles_of_any_width() {
+    let mut random = Random::new(11);
+    for _ in 0..count(16, 160) {
+        let (fall, v_s) = (random.uniform(0.1, 0.4), random.uniform(0.2, 0.8));
+        let law = Exponential::new(0.1 + fall, 0.1, v_s).unwrap();
+        let slope = |v_b: f64| fall * v_b / (v_s * v_s) * (-(v_b / v_s).powi(2)).exp();
+        let place = v_s / std::f64::consts::SQRT_2;
+        let width = place * random.logarithmic(1e-3, 0.3);
+        let low = place - width * random.uniform(0.1, 0.9);
+        let velocities = low..place + width * random.uniform(0.1, 0.9);
+        let depth = slope(place) - slope(velocities.start).min(slope(velocities.end));
+        let top = slope(place) + depth * random.uniform(0.1, 2.0);
+        let dampings = slope(place) - depth * random.uniform(1.2, 2.0)..top;
+        let family = |v_b: f64, damping: f64| MassOnBelt::new(law, v_b)?.with_damping(damping);
+        let one = hopf_locus(family, [velocities.clone(), dampings.clone()]).unwrap();
+        let swapped = |damping: f64, v_b: f64| family(v_b, damping);
+        let other = hopf_locus(swapped, [dampings, velocities]).unwrap();
+        for (loci, which) in [(one, 1), (other, 0)] {
+            let turns = loci
+                .iter()
+                .flat_map(|locus| special(locus, SpecialKind::Turn(which)));
+            let turns: Vec<[f64; 2]> = turns.collect();
+            assert_eq!(turns.len(), 1, "{width:e}: {turns:?}");
+            let error = turns[0][1 - which] - place;
+            assert!(error.abs() < 1e-6 * width, "{width:e}: {error:e}");
+        }
+    }
+}
+
+/// Below v_b = 0 the belt moves backward, and the derivative by v_b jumps: it is taken inside the
+/// rectangle, and the curve reaches its side.
+#[test]
+fn a_curve_reaches_a_side_beside_a_jump_of_derivatives() {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let family = |v_b: f64, damping: f64| MassOnBelt::new(law, v_b)?.with_damping(damping);
+    let loci = hopf_locus(family, [1e-9..0.9, 1e-9..0.3]).unwrap();
+    let [locus] = exactly(&loci);
+    assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+}
+
 /// A belt by itself and as a structure has the same curve.
 #[test]
 fn a_belt_and_its_structure_have_the_same_curve() {

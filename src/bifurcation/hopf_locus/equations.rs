@@ -46,8 +46,12 @@ pub(super) struct Bordered {
     pub(super) lyapunov: [f64; 2],
 }
 
-/// Increments of a parameter for derivatives, in units of its range: about the third root of ε.
+/// Increments of a parameter for derivatives, in units of the parameter or, if that is larger, of
+/// the width of its range: about the third root of ε.
 const PART: f64 = 6e-6;
+
+/// The largest increment, in units of the width.
+const MOST: f64 = 1.0 / 64.0;
 
 /// Other real parts, in units of their terms, that are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -116,18 +120,19 @@ impl HopfPoints<'_> {
         Ok(begun)
     }
 
-    /// The derivative of the balanced matrix by a parameter, by a central difference; one-sided if
-    /// one side has no system.
+    /// The derivative of the balanced matrix by a parameter, by a central difference inside the
+    /// range; one-sided if one side has no system.
     fn by_parameter(
         &self,
         y: &DVector<f64>,
         which: usize,
         here: &Bordered,
     ) -> Option<DMatrix<f64>> {
-        let range = &self.ranges[which];
+        let Range { start, end } = self.ranges[which];
+        let (width, value) = (end - start, y[which]);
         let beside = |change: f64| {
             let mut parameters = [y[0], y[1]];
-            parameters[which] += change;
+            parameters[which] = (value + change).clamp(start.min(value), end.max(value));
             let jacobian = self.field(parameters, |field| field.jacobian()).ok()?;
             let units = &here.units;
             let balanced = DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| {
@@ -135,8 +140,8 @@ impl HopfPoints<'_> {
             });
             Some((parameters[which], balanced))
         };
-        let step = PART * (range.end - range.start);
-        let here = Some((y[which], here.matrix.clone()));
+        let step = (PART * width.max(value.abs())).min(MOST * width);
+        let here = Some((value, here.matrix.clone()));
         let pair = match (beside(-step), beside(step)) {
             (None, high) => (here, high),
             (low, None) => (low, here),

@@ -163,8 +163,12 @@ const MOST_STEPS: usize = 16;
 /// The unknowns of a solution are exact to this, in units of their scales.
 const EXACT: f64 = 1e-12;
 
-/// A step below this size keeps the derivatives of the one before.
+/// The last step to a solution is below this size.
 const COARSE: f64 = 1e-5;
+
+/// A step below this size keeps the derivatives of the one before. The tangent is found from them:
+/// its error is of this size, and special points are its zeros.
+const KEEPS: f64 = 1e-9;
 
 /// Newton's method keeps old derivatives while each step is at most this part of the one before.
 const CONTRACTION: f64 = 0.01;
@@ -232,7 +236,7 @@ pub(crate) fn solve<E: Equations>(
         let value = equations.value(&mut y, near)?;
         let residual = equations.residual(&y, &value);
         let jacobian = match &mut known {
-            Some(known) if before < COARSE && contracts => known,
+            Some(known) if before < KEEPS && contracts => known,
             known => known.insert(equations.jacobian(&y, &value, plane.scale)?),
         };
         let rows = residual.len();
