@@ -929,6 +929,50 @@ fn load_laws_are_written() {
     assert!(serde_json::from_str::<Structure>(&elastic).is_err());
 }
 
+/// The factor of a load law that is read may vary: it is one of the drives. With N = 1 + D k x and
+/// x = N μ in steady sliding, damping c holds vibration while N |μ'| < c.
+#[test]
+fn a_load_law_that_is_read_may_vary_in_time() {
+    let (k, speed, damping) = (0.5, 0.4, 0.3);
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let spring = PolynomialSpring::new(&[k]).unwrap();
+    let block = Contact::new(0, law, 1.0)
+        .and_then(|contact| contact.on_belt(speed).with_load_law(&[(0, 1.0)], spring))
+        .and_then(|contact| Structure::new(&[1.0])?.with_contact(contact))
+        .and_then(|block| {
+            block
+                .with_ground_spring(0, 1.0)?
+                .with_ground_damper(0, damping)
+        })
+        .unwrap();
+    let with_factor = |factor: Drive| -> Structure {
+        let mut text = serde_json::to_value(&block).unwrap();
+        text["contacts"][0]["load_laws"][0]["factor"] = serde_json::to_value(factor).unwrap();
+        serde_json::from_value(text).unwrap()
+    };
+    let shaken = with_factor(Drive::harmonic(0.5, 2.0, 0.0).unwrap());
+    assert_eq!(shaken.period(), Some(std::f64::consts::PI));
+
+    // D rises from 0 to 4 in 10 units of time.
+    let decay = 0.15 * (-(speed / 0.5_f64).powi(2)).exp();
+    let (coefficient, slope) = (0.25 + decay, decay * 2.0 * speed / 0.25);
+    let limit = (1.0 - slope / damping) / (k * coefficient);
+    let rising = with_factor(Drive::profile(&[(0.0, 0.0), (10.0, 4.0)]).unwrap());
+    let then = rising.frozen(5.0).unwrap();
+    assert_eq!(
+        then.contacts()[0].load_laws()[0].factor(),
+        &Drive::constant(2.0)
+    );
+    let changes = rising.stability_changes(0.0..10.0).unwrap();
+    assert_eq!(changes.len(), 1, "{changes:?}");
+    assert!(!changes[0].becomes_stable);
+    // A few roundings, times 1/(1 − slope/damping) = 6.
+    assert!(
+        (changes[0].time - 2.5 * limit).abs() < 1e-13,
+        "{changes:?} {limit}"
+    );
+}
+
 #[test]
 fn what_is_diagonal_is_written_as_masses() {
     let law = Coulomb::new(0.4, 0.3).unwrap();

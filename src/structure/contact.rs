@@ -335,7 +335,6 @@ impl Contact {
     }
 
     /// Sets the laws of the load.
-    #[cfg(feature = "serde")]
     pub(super) fn with_load_laws(mut self, laws: Vec<ForceElement>) -> Result<Self, Error> {
         self.load_laws = laws;
         self.check_load_laws()?;

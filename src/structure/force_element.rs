@@ -169,6 +169,11 @@ impl ForceElement {
         &self.factor
     }
 
+    /// Holds the factor at its value at a time.
+    pub(super) fn frozen(&self, time: f64) -> Result<Self, Error> {
+        self.clone().with_factor(self.factor.value(time))
+    }
+
     #[cfg(feature = "serde")]
     pub(super) fn law(&self) -> &SharedForce {
         &self.law

@@ -58,11 +58,12 @@ impl Structure {
         for contact in self.contacts() {
             let mut contact = contact.clone().on_belt(held(contact.belt_velocity()));
             contact.load = Arc::new(held(&contact.load));
-            frozen = frozen.with_any_load(contact)?;
+            let laws = contact.load_laws().iter().map(|law| law.frozen(time));
+            let laws = laws.collect::<Result<_, Error>>()?;
+            frozen = frozen.with_any_load(contact.with_load_laws(laws)?)?;
         }
         for element in self.elements() {
-            let factor = held(element.factor());
-            frozen = frozen.with_element(element.clone().with_factor(factor)?)?;
+            frozen = frozen.with_element(element.frozen(time)?)?;
         }
         for stop in self.stops() {
             frozen = frozen.with_stop(stop.clone())?;

@@ -569,8 +569,8 @@ impl Structure {
     }
 
     /// The least common period of all drives: forces, loads, belt velocities, factors of force
-    /// elements and inputs of first-order states. `None` if all are constant or have no common
-    /// period; see [`Drive::period`].
+    /// elements and of load laws, and inputs of first-order states. `None` if all are constant or
+    /// have no common period; see [`Drive::period`].
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure};
@@ -591,7 +591,9 @@ impl Structure {
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();
         let of_contacts = contacts.flat_map(|contact| [contact.load(), contact.belt_velocity()]);
-        let of_elements = self.elements.iter().map(ForceElement::factor);
+        let load_laws = self.contacts.iter().flat_map(Contact::load_laws);
+        let elements = self.elements.iter().chain(load_laws);
+        let of_elements = elements.map(ForceElement::factor);
         let of_states = self.first_orders.iter().map(FirstOrder::drive);
         let others = of_contacts.chain(of_elements).chain(of_states);
         self.forces.iter().chain(others)
