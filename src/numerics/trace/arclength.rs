@@ -255,7 +255,7 @@ enum Step<V> {
     Vanishes([f64; 2]),
 }
 
-/// The curve from a point against its tangent, and along it; a closed one is followed along it only.
+/// The curve from a point against its tangent, and along it; if it is closed, along it only.
 pub(crate) fn both_ways<E: Equations>(
     equations: &E,
     first: &Point<E::Value>,
