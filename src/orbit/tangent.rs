@@ -13,8 +13,8 @@
 //! obeys δz' = A_q δq + A_v δv + A_z δz.
 //!
 //! The equations are solved by power series on the steps of the trajectory, or by a matrix
-//! exponential over several of them (`constant_coefficient_flow.rs`). A contact that sticks has δv = 0; events are
-//! treated in `saltation.rs`. Each column of a matrix is one perturbation: n
+//! exponential over several of them (`constant_coefficient_flow.rs`). A contact that sticks has δv
+//! = 0; events are treated in `saltation.rs`. Each column of a matrix is one perturbation: n
 //! displacements, n velocities, the memory variables of the contacts, and first-order states.
 
 use std::borrow::Cow;

@@ -88,10 +88,10 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// then computed for all masses at once.
 ///
 /// Simple cases are computed by faster code, with the same result to rounding: `single_slip.rs`
-/// computes a single coordinate that slips while all others are held, `simd_groups.rs` several ones.
-/// Without the first a whole run takes 1.4 times as many instructions for one mass on a belt, and
-/// 1.05 times for two; without the second 1.4 times for two masses, and 1.6 to 1.7 times for 4 and
-/// 16. The slow manifolds and delicate edges need each order for itself.
+/// computes a single coordinate that slips while all others are held, `simd_groups.rs` several
+/// ones. Without the first a whole run takes 1.4 times as many instructions for one mass on a belt,
+/// and 1.05 times for two; without the second 1.4 times for two masses, and 1.6 to 1.7 times for 4
+/// and 16. The slow manifolds and delicate edges need each order for itself.
 ///
 /// # Errors
 ///

@@ -2,9 +2,10 @@
 //!
 //! The force in a contact with its own coordinate is a function of q, v and t alone, so such
 //! contacts are decided one by one. Contacts that share coordinates are decided together in
-//! `shared_mode_decision.rs`. A contact exactly on the edge of its band is decided by rates, which may
-//! depend on the modes of other contacts. It is first assumed to stick; all series are expanded,
-//! and the sign of the first nonzero derivative decides. This is repeated until no mode changes.
+//! `shared_mode_decision.rs`. A contact exactly on the edge of its band is decided by rates, which
+//! may depend on the modes of other contacts. It is first assumed to stick; all series are
+//! expanded, and the sign of the first nonzero derivative decides. This is repeated until no mode
+//! changes.
 
 use super::contact_data::ContactData;
 use super::coordinate_series::ALL;

@@ -2,10 +2,10 @@
 //! contact depends on the others, so the modes of all are decided together, at every event of any
 //! of them.
 //!
-//! The forces and accelerations are those of the programme in `complementarity.rs`. At first its bounds
-//! are the static limits. As long as contacts slip whose kinetic limit is smaller, the one with the
-//! largest |a_c|/(G_cc B_c) gets its kinetic limit, and the programme is solved again: *the fastest
-//! yields first*. If both coefficients are equal, the first solution is the result.
+//! The forces and accelerations are those of the programme in `complementarity.rs`. At first its
+//! bounds are the static limits. As long as contacts slip whose kinetic limit is smaller, the one
+//! with the largest |a_c|/(G_cc B_c) gets its kinetic limit, and the programme is solved again:
+//! *the fastest yields first*. If both coefficients are equal, the first solution is the result.
 //!
 //! A contact on the edge of its stick band (λ_c = B_c and a_c = 0) is first assumed to stick, and
 //! all series are expanded. The programme is solved again for the coefficients of the first order

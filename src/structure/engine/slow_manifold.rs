@@ -1,5 +1,6 @@
 //! The slow manifold of stiff bristles, or of any memory of one variable, and whether a motion has
-//! reached it; that of contacts that are stiff in the sliding speed is computed in `stiff_sliding_speeds.rs`.
+//! reached it; that of contacts that are stiff in the sliding speed is computed in
+//! `stiff_sliding_speeds.rs`.
 //!
 //! In sustained slip the memory of a contact relaxes at a rate D = −∂z'/∂z far above the rates of
 //! the masses. The length of an explicit step is then about 10/D, even if the motion is slow,
