@@ -33,7 +33,7 @@ use super::expand::{expand, expand_slow};
 use super::model::Model;
 use super::series::Series;
 use super::state::{Phase, Situation};
-use super::step_size::{Control, LONGEST_STEP, SETTLED, plan_explicit, plan_reach};
+use super::step_size::{Control, LONGEST_STEP, Relaxing, SETTLED, plan_explicit, plan_reach};
 use super::stiff_sliding_speeds::Stiff;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
@@ -144,13 +144,6 @@ struct Slow<'a, 's> {
     with_memories: bool,
 }
 
-/// A sliding speed, or else a memory, that relaxes at a rate D.
-struct Relaxing {
-    contact: usize,
-    is_speed: bool,
-    rate: f64,
-}
-
 /// What came of a trial.
 #[derive(Default)]
 struct Trial {
@@ -170,8 +163,10 @@ impl Slow<'_, '_> {
             ..Trial::default()
         };
         // After the stiffest contacts, the next stiffest may limit the step.
+        let mut begun = std::mem::take(&mut self.control.begun);
         loop {
-            let begun = self.relaxing(trial.best);
+            begun.clear();
+            self.relaxing(trial.best, &mut |of| begun.push(of));
             if begun.is_empty() {
                 break;
             }
@@ -190,6 +185,7 @@ impl Slow<'_, '_> {
             }
             break;
         }
+        self.control.begun = begun;
         trial
     }
 
@@ -206,9 +202,8 @@ impl Slow<'_, '_> {
         }
     }
 
-    /// The speeds and the memories that relax well within `reach` and are not slow yet.
-    fn relaxing(&self, reach: f64) -> Vec<Relaxing> {
-        let mut all = Vec::new();
+    /// Visits the speeds and the memories that relax well within `reach` and are not slow yet.
+    fn relaxing(&self, reach: f64, visit: &mut dyn FnMut(Relaxing)) {
         let plan = &self.control.plan;
         let waiting = std::iter::zip(&self.series.contacts, &plan.stiff);
         let waiting = waiting.filter(|(contact, _)| contact.settling == 0.0);
@@ -246,7 +241,7 @@ impl Slow<'_, '_> {
             let settling = plan.stiff[c];
             let begins = settling > slowest || together(c) * reach > SETTLING;
             if begins && contact.settling == 0.0 && rate.is_none() {
-                all.push(Relaxing {
+                visit(Relaxing {
                     contact: c,
                     is_speed: true,
                     rate: settling,
@@ -262,7 +257,7 @@ impl Slow<'_, '_> {
                 let load = contact.load[0] / data.compliance;
                 let rate = relaxation(data.law, (slip, load), *memory);
                 if rate * reach > SETTLING {
-                    all.push(Relaxing {
+                    visit(Relaxing {
                         contact: c,
                         is_speed: false,
                         rate,
@@ -270,7 +265,6 @@ impl Slow<'_, '_> {
                 }
             }
         }
-        all
     }
 
     /// The series of the slow manifold, and how far they reach: further than `shorter` by
@@ -346,9 +340,11 @@ impl Slow<'_, '_> {
                 may_have_come &= (now - state.speed()).abs() + missing <= moved + error;
             }
             // The reach hardly changes after the first passes, the last digits need ten.
-            let is_vain =
-                || reach < self.worth() * self.explicit && self.relaxing(reach).is_empty();
-            if !may_have_come || reach < LONGER * shorter || is_vain() {
+            let mut is_vain = reach < self.worth() * self.explicit;
+            if is_vain {
+                self.relaxing(reach, &mut |_| is_vain = false);
+            }
+            if !may_have_come || reach < LONGER * shorter || is_vain {
                 return None;
             }
             let settles_within = |reach: f64| {

@@ -25,6 +25,14 @@ pub(super) const LONGEST_STEP: f64 = 4294967296.0;
 /// as error: the forces balance to ε, the speed to ε N μ G/D.
 const HOVER: f64 = 16.0;
 
+/// A sliding speed, or else a memory, that relaxes at a rate D.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Relaxing {
+    pub(super) contact: usize,
+    pub(super) is_speed: bool,
+    pub(super) rate: f64,
+}
+
 /// The data that control the lengths of steps and are passed from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Control {
@@ -38,6 +46,8 @@ pub(super) struct Control {
     pub(super) pause: u32,
     /// The series of the last pass to the slow manifold.
     pub(super) pass_before: Vec<PowerSeries>,
+    /// Room for what a trial begins with.
+    pub(super) begun: Vec<Relaxing>,
     /// The contacts with slow speeds in the last trial.
     pub(super) stiff: Stiff,
     /// The errors that the last step left in the speeds of contacts, if they were slow.
@@ -90,6 +100,7 @@ impl Control {
             steps_to_trial: 0,
             pause: 0,
             pass_before: Vec::with_capacity(model.len() + model.remembered()),
+            begun: Vec::with_capacity(2 * model.contacts.len()),
             stiff: Stiff::default(),
             errors_left: Vec::new(),
             plan: Plan::default(),
