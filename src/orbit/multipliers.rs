@@ -7,7 +7,7 @@ use crate::numerics::eigenvalues::{eigenvalues, reflected};
 use crate::numerics::sort::sort_by;
 
 /// The part of a vector across others, relative to it, that is rounding.
-const DEPENDENT: f64 = 1e-13;
+pub(super) const DEPENDENT: f64 = 1e-13;
 
 /// The multipliers by falling modulus, without the 1 that belongs to each vector of `shifts`;
 /// `None` if they do not converge.
@@ -44,10 +44,10 @@ pub(super) fn multipliers(
         .chain(shifts.iter().map(|shift| vector(&|i| shift[i] / sizes[i])))
         .collect();
     normals.reverse();
-    let mut sizes: Vec<_> = normals.iter().map(|normal| normal.norm()).collect();
-    while let (Some(normal), Some(size)) = (normals.pop(), sizes.pop()) {
+    let mut lengths: Vec<_> = normals.iter().map(|normal| normal.norm()).collect();
+    while let (Some(normal), Some(length)) = (normals.pop(), lengths.pop()) {
         // One that depends on those before it has no direction left.
-        if normal.norm() > DEPENDENT * size {
+        if normal.norm() > DEPENDENT * length {
             scaled = across(&scaled, normal, &mut normals);
         }
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::multipliers::DEPENDENT;
 use super::type_erased_system::GeneralForm;
 use crate::motion::{Mode, Segment};
 use crate::state::Direction;
@@ -59,8 +60,6 @@ pub(super) fn unslipped(
 ) -> Vec<Unslipped> {
     /// The apparent displacement, in parts of the displacements, of a surface that comes back.
     const ROUNDING: f64 = 1e-9;
-    /// The part of a direction across others, relative to it, that is rounding.
-    const DEPENDENT: f64 = 1e-13;
     let never_slips = never_slips(steps);
     let comes_back = |c: &usize| {
         let contact = &form.model.contacts[*c];

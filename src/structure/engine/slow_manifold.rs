@@ -339,13 +339,16 @@ impl Slow<'_, '_> {
                 let moved = moved + 4.0 * (missing - missed).abs();
                 may_have_come &= (now - state.speed()).abs() + missing <= moved + error;
             }
-            // The reach hardly changes after the first passes, the last digits need ten.
-            let mut is_vain = reach < self.worth() * self.explicit;
-            if is_vain {
-                self.relaxing(reach, &mut |_| is_vain = false);
-            }
-            if !may_have_come || reach < LONGER * shorter || is_vain {
+            if !may_have_come || reach < LONGER * shorter {
                 return None;
+            }
+            // The reach hardly changes after the first passes, the last digits need ten.
+            if reach < self.worth() * self.explicit {
+                let mut is_vain = true;
+                self.relaxing(reach, &mut |_| is_vain = false);
+                if is_vain {
+                    return None;
+                }
             }
             let settles_within = |reach: f64| {
                 let mut changes = std::iter::zip(self.unknowns(), &*before);
