@@ -401,12 +401,11 @@ impl TangentFlow<'_> {
     fn passage(&self, step: &Step, contact: usize, kind: EventKind, memory: &[f64]) -> Passage {
         let (law, mode) = (self.law(step, contact), step.modes()[contact]);
         let mut passage = Passage::of(law, mode, kind, memory);
-        let rates = match kind {
-            EventKind::Open => &mut passage.before,
-            EventKind::Close => &mut passage.after,
+        let (closed, open) = match kind {
+            EventKind::Open => (&mut passage.before, &mut passage.after),
+            EventKind::Close => (&mut passage.after, &mut passage.before),
             _ => return passage,
         };
-        // The memory stops or continues with the load.
         let data = &self.form.model.contacts[contact];
         let velocities = step.end_state().velocities;
         let time = step.end_time();
@@ -420,7 +419,17 @@ impl TangentFlow<'_> {
                 piece: data.piece_above(velocity.abs()),
             }),
         };
-        *rates = law.rates(motion, memory);
+        *closed = law.rates(motion, memory);
+        // Other memories stop with the load.
+        if law.law.changes_while_open() {
+            *open = match motion {
+                Motion::Stick if passage.caught => {
+                    law.slipping(Direction::Leading, &law.caught(memory))
+                }
+                Motion::Stick => law.slipping(Direction::Leading, memory),
+                Motion::Slip(_) => closed.clone(),
+            };
+        }
         passage
     }
 

@@ -184,10 +184,11 @@ impl ContactAlong<'_> {
             depends: vec![false; count],
         };
         match mode {
+            Mode::Open if self.contact.law.changes_while_open() => self.slip(&mut joint, mode),
             Mode::Open => {}
             _ if self.contact.is_elastic() => self.elastic(&mut joint, mode),
             Mode::Stick => self.stick(&mut joint),
-            Mode::Slip(side) => self.slip(&mut joint, side.sign()),
+            Mode::Slip(_) => self.slip(&mut joint, mode),
         }
         let is_given = |row: &Vec<Coefficient>| row.first().is_some_and(|first| first.terms > 0);
         joint.takes_slip = is_given(&joint.friction) || joint.rates.iter().any(is_given);
@@ -263,31 +264,38 @@ impl ContactAlong<'_> {
         self.by_load(joint, motion);
     }
 
-    fn slip(&self, joint: &mut ContactDerivatives, direction: f64) {
+    /// In slip, and for a memory that changes while the contact is open: then without a load.
+    fn slip(&self, joint: &mut ContactDerivatives, mode: Mode) {
         let (step, contact) = (self.step, self.contact);
         let Some(relative) = step.relative_velocity(self.number) else {
             return;
         };
+        let middle = relative.at(0.5 * step.duration());
+        let (direction, load) = match mode {
+            Mode::Slip(side) => (side.sign(), self.load(step.state())),
+            _ => (1_f64.copysign(middle), PowerSeries::ZERO),
+        };
         let speeds = relative.scaled(direction);
-        let middle = speeds.at(0.5 * step.duration());
-        let load = self.load(step.state());
         let motion = Motion::Slip(Slip {
             speed: &speeds,
             direction,
-            piece: contact.piece_above(middle),
+            piece: contact.piece_above(direction * middle),
         });
         let given = (motion, &load);
         let load = load.scaled(contact.compliance);
         let by_speed = self.derivative(joint, given, Input::Speed);
         joint.friction.push(product(&load, &by_speed.slope).into());
-        if contact.load_follows() {
+        let follows = mode != Mode::Open && contact.load_follows();
+        if follows {
             joint.by_load = Some(by_speed.coefficient.scaled(contact.compliance).into());
         }
         for j in 0..joint.rates.len() {
             let by_memory = self.derivative(joint, given, Input::Memory(j));
             joint.friction.push(product(&load, &by_memory.slope).into());
         }
-        self.by_load(joint, given);
+        if follows {
+            self.by_load(joint, given);
+        }
     }
 
     /// The series of N.

@@ -41,4 +41,7 @@ impl ContactLaw for Heat {
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
         memory
     }
+    fn changes_while_open(&self) -> bool {
+        true
+    }
 }

@@ -256,7 +256,7 @@ fn derivatives_with_heat_are_those_of_motions_beside() {
                 conduction: random.uniform(0.0, 1.0),
             };
             let [i, j] = [0; 2].map(|_| random.one_of(n) as usize);
-            let load = random.drive(1.5, 0.4, false);
+            let load = random.drive(1.0, 0.9, false);
             let belt = random.drive(0.2, 0.3, false);
             let contact = Contact::new(i, law, load).unwrap().on_belt(belt);
             let gradient = random.uniform(-0.3, 0.3);

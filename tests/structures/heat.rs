@@ -1,5 +1,7 @@
 //! Memories that depend on the load: heat of friction.
 
+use std::cell::Cell;
+
 use stick_slip::structure::State;
 use stick_slip::{Contact, ContactLaw, Drive, Error, EventKind, Motion, Scalar, Slip, Structure};
 
@@ -221,4 +223,46 @@ fn a_rate_that_is_no_number_under_a_load_is_an_error() {
         _ => panic!("{error}"),
     };
     assert!((reached.time - 2.0).abs() < 1e-3, "{error}");
+}
+
+/// z' = −bz without a load, with any reversals of r and rests on the way.
+#[test]
+fn a_contact_cools_while_it_is_open() {
+    let closings = Cell::new(0);
+    for_all(
+        200,
+        [0.5..3.0, 1.1..2.5, 0.3..1.5, 0.05..0.6, 0.0..1.0],
+        |[stiffness, swing, frequency, cooling, belt]| {
+            let law = Heat { cooling, ..brake() };
+            let load = Drive::constant(1.0)
+                .with_harmonic(swing, frequency, 1.0)
+                .unwrap();
+            let contact = Contact::new(0, law, load).unwrap().on_belt(belt);
+            let block = Structure::new(&[1.0])
+                .and_then(|block| {
+                    block
+                        .with_ground_spring(0, stiffness)?
+                        .with_contact(contact)
+                })
+                .unwrap();
+            let start = State::new(&[0.5], &[1.5]).with_memory(&[0.3]);
+            let motion = block.simulate(start, 30.0).unwrap();
+            let mut opened: Option<(f64, f64)> = None;
+            for event in motion.events() {
+                let (t, z) = (event.time, event.state.memory[0]);
+                match event.kind {
+                    EventKind::Open => opened = Some((t, z)),
+                    EventKind::Close => {
+                        let (since, before) = opened.take().unwrap_or((0.0, 0.3));
+                        let expected = before * (-cooling * (t - since)).exp();
+                        assert!((z - expected).abs() < 1e-15, "{t} {z} {expected}");
+                        closings.set(closings.get() + 1);
+                    }
+                    _ => assert_eq!(opened, None, "{t}"),
+                }
+            }
+            Ok(())
+        },
+    );
+    assert!(closings.get() > 500, "{closings:?}");
 }

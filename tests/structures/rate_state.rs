@@ -4,10 +4,11 @@
 use serde_json::Value;
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Drive, Error, FrictionLaw, Integrator,
-    MassOnBelt, Motion, RateState, RateState2, Scalar, Slip, Structure, Trajectory,
+    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Drive, Error, EventKind, FrictionLaw,
+    Integrator, MassOnBelt, Motion, RateState, RateState2, Scalar, Slip, Structure, Trajectory,
 };
 
+use crate::common::collocation::integrate;
 use crate::common::{Random, Worst, apart, exactly, kind, list, number, refused, text};
 use crate::reading::{cases, numbers, remembered as state, remembering};
 
@@ -784,4 +785,84 @@ fn velocity_steps_are_those_of_rsfmodel() {
         worst.assert(id, 1e-8);
     }
     assert_eq!(all, 41 * (3 + 3 + 4 + 4));
+}
+
+/// A free mass whose contact opens from 1 to 3, under a force that reverses its sliding: with the
+/// aging law θ' = 1 − Vθ/D_c is linear, with the slip law ln(V/V₀) + φ decays at constant V.
+#[test]
+fn state_variables_change_while_a_contact_is_open() {
+    let load = || Drive::profile(&[(0.0, 1.0), (1.0, 0.0), (2.0, -1.0), (3.0, 0.0), (4.0, 1.0)]);
+    let block = |law: RateState, force: f64| {
+        let contact = Contact::new(0, law, load().unwrap()).unwrap().on_belt(0.7);
+        Structure::new(&[2.0])
+            .and_then(|block| block.with_force(0, force)?.with_contact(contact))
+            .unwrap()
+    };
+    let at = |block: &Structure, start: State| {
+        let motion = block.simulate(start, 4.0).unwrap();
+        let [open, close] = [EventKind::Open, EventKind::Close].map(|what| {
+            let mut events = motion.events().iter();
+            let found = events.find(|event| event.kind == what).unwrap();
+            (found.time, found.state.clone())
+        });
+        assert_eq!(open.0, 1.0);
+        assert!((close.0 - 3.0).abs() < 1e-15);
+        [open.1, close.1]
+    };
+    let [aging, slip] = LAWS.map(|law| law(0.4, 0.02, 0.03, 0.8, 0.05).unwrap());
+    let start = State::new(&[0.0], &[1.5]).with_memory(&[-1.0]);
+    // Constant speeds.
+    let [open, close] = at(&block(slip, 0.0), start.clone());
+    let v = open.velocities[0] - 0.7;
+    let level = (v / 0.05).ln();
+    let expected = -level + (open.memory[0] + level) * (-2.0 * v / 0.8).exp();
+    assert!(
+        (close.memory[0] - expected).abs() < 1e-14,
+        "{close:?} {expected}"
+    );
+    let [open, close] = at(&block(aging, 0.0), start.clone());
+    let v = open.velocities[0] - 0.7;
+    let theta = |phi: f64| 0.8 / 0.05 * phi.exp();
+    let expected = 0.8 / v + (theta(open.memory[0]) - 0.8 / v) * (-2.0 * v / 0.8).exp();
+    assert!((theta(close.memory[0]) / expected - 1.0).abs() < 1e-14);
+    // r = r₁ − a(t − 1) passes 0: the integral of V from s to the end, by pieces.
+    let [open, close] = at(&block(aging, -1.2), start);
+    let (r, a) = (open.velocities[0] - 0.7, 0.6);
+    assert!(0.05 < r && r < 1.1, "{r}");
+    let way = |t: f64| {
+        let turn = r / a;
+        let along = |t: f64| r * t - 0.5 * a * t * t;
+        if t < turn {
+            along(t)
+        } else {
+            2.0 * along(turn) - along(t)
+        }
+    };
+    // θ' = 1 − Vθ/D_c: θ₂ = θ₁ e^{−x(2)/D_c} + ∫ e^{−(x(2) − x(s))/D_c} ds, smooth on each side.
+    let decayed = |s: f64| (-(way(2.0) - way(s)) / 0.8).exp();
+    let grown = |from: f64, to: f64| {
+        let rates = |s: f64, _: &[f64]| vec![decayed(s)];
+        integrate(&rates, &[0.0], [from, to], 40)[0]
+    };
+    let healed = grown(0.0, r / a) + grown(r / a, 2.0);
+    let expected = theta(open.memory[0]) * decayed(0.0) + healed;
+    let found = theta(close.memory[0]);
+    assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
+    // A state in the gap is a start of the same motion.
+    let system = block(aging, -1.2);
+    let whole = system
+        .simulate(State::new(&[0.0], &[1.5]).with_memory(&[-1.0]), 4.0)
+        .unwrap();
+    for t in [1.0, 1.5, 1.0 + r / a, 2.5, 2.99] {
+        let from = Integrator::new().with_start_time(t).unwrap();
+        let rest = from
+            .simulate(&system, whole.state_at(t).unwrap(), 4.0 - t)
+            .unwrap();
+        let (found, expected) = (rest.last(), whole.last());
+        assert!((found.memory[0] - expected.memory[0]).abs() < 1e-13, "{t}");
+        assert!(
+            (found.velocities[0] - expected.velocities[0]).abs() < 1e-14,
+            "{t}"
+        );
+    }
 }

@@ -118,6 +118,10 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
         for_each!(self, dry _ => false, law => law.creeps())
     }
 
+    fn changes_while_open(&self) -> bool {
+        for_each!(self, dry _ => false, law => law.changes_while_open())
+    }
+
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
         for_each!(self, dry _ => memory, law => law.caught(memory))
     }

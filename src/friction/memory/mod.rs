@@ -254,7 +254,8 @@ pub trait ContactLaw: Sized {
 
     /// Rates of change dz/dt of the memory variables, per unit of time. `load` is the normal load
     /// N, in units of force: frictional heat N·μ|r|, for example, drives the temperature of a
-    /// contact. While the contact is open its memory does not change.
+    /// contact. While the contact is open its memory stays as it is, unless the law
+    /// [changes while open](Self::changes_while_open).
     fn rates<S: Scalar>(
         &self,
         motion: Motion<S>,
@@ -269,6 +270,14 @@ pub trait ContactLaw: Sized {
     /// The memory just after a stick or release event, as a function of the memory just before the
     /// event. The state stored in the event contains the memory just before the event.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
+
+    /// Returns true if the memory also changes while the contact is open: with its
+    /// [`rates`](Self::rates) in slip under the load 0. Asperities age and heat flows away without
+    /// a load, too; bristles that touch nothing stay as they are. These rates must be continuous
+    /// where r changes its sign.
+    fn changes_while_open(&self) -> bool {
+        false
+    }
 
     /// Returns true if a contact with this law may creep far more slowly than its surface moves,
     /// with friction that depends on every digit of its speed, such as on ln |r|. The states of a

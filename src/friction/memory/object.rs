@@ -47,6 +47,8 @@ pub(crate) trait LawObject {
     );
     /// See [`ContactLaw::creeps`].
     fn creeps(&self) -> bool;
+    /// See [`ContactLaw::changes_while_open`].
+    fn changes_while_open(&self) -> bool;
     /// The change of variable j that changes the friction of slip as a speed e times as high does:
     /// that of φ is a/b, whatever its value. 0 if there is none.
     fn unit_in_creep(&self, slip: Slip<f64>, memory: Memory<'_>, by: usize) -> f64;
@@ -195,6 +197,10 @@ impl<L: ContactLaw> LawObject for L {
 
     fn creeps(&self) -> bool {
         ContactLaw::creeps(self)
+    }
+
+    fn changes_while_open(&self) -> bool {
+        ContactLaw::changes_while_open(self)
     }
 
     fn unit_in_creep(&self, slip: Slip<f64>, memory: Memory<'_>, by: usize) -> f64 {

@@ -22,8 +22,8 @@ use crate::scalar::Scalar;
 /// There is no stick mode: a contact that seems to stick creeps, and every change of sign of r is a
 /// [`Crossing`](crate::EventKind::Crossing). Under the aging law a motion passes r = 0. In the slip
 /// law V ln V is not analytic there, so a motion that reverses ends with [`Error::NotAnalytic`]
-/// unless the law has a [least speed](Self::with_least_speed). While the contact is open, φ does
-/// not change: what heals across a gap is left out.
+/// unless the law has a [least speed](Self::with_least_speed). φ also changes, by the same rates,
+/// [while the contact is open](ContactLaw::changes_while_open).
 ///
 /// Where the contact creeps, its speed settles at the rate N a/(m V), much faster than the motion
 /// changes. The motion is then followed on its slow manifold: a seismic cycle from 1e-15 to 0.4 m/s
@@ -461,6 +461,10 @@ impl<const STATES: usize> ContactLaw for RateState<STATES> {
     }
 
     fn creeps(&self) -> bool {
+        true
+    }
+
+    fn changes_while_open(&self) -> bool {
         true
     }
 

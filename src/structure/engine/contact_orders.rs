@@ -47,7 +47,8 @@ impl ContactSeries {
             for law in &elements[contact.load_laws.clone()] {
                 by_displacements += law.product(0, k);
             }
-            self.load[k] = self.drive_load[k] + by_displacements * contact.compliance;
+            let load = self.drive_load[k] + by_displacements * contact.compliance;
+            self.normal_mut()[k] = load;
         }
     }
 

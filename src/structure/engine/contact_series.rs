@@ -42,8 +42,10 @@ pub(super) struct ContactSeries {
     /// N μ_s backward and forward; without terms beyond the first for a constant load and a law
     /// without memory, and where it is infinite.
     pub(super) bounds: [PowerSeries; 2],
-    /// N.
+    /// N; 0 while the contact is lifted.
     pub(super) load: PowerSeries,
+    /// N ≤ 0 while the contact is lifted.
+    pub(super) lifted: Option<PowerSeries>,
     /// The part of N that is given in time.
     pub(super) drive_load: PowerSeries,
     /// True if N varies.
@@ -86,6 +88,7 @@ impl ContactSeries {
             carried_rounding: PowerSeries::ZERO,
             bounds: [PowerSeries::ZERO; 2],
             load,
+            lifted: None,
             drive_load: load,
             load_varies: !contact.load.is_constant() || contact.load_follows(),
             free: 0.0,
@@ -97,6 +100,26 @@ impl ContactSeries {
             relaxation: 0.0,
             settling: 0.0,
             tape: Tape::new(),
+        }
+    }
+
+    /// N, also where it does not act.
+    pub(super) fn normal(&self) -> &PowerSeries {
+        self.lifted.as_ref().unwrap_or(&self.load)
+    }
+
+    pub(super) fn normal_mut(&mut self) -> &mut PowerSeries {
+        self.lifted.as_mut().unwrap_or(&mut self.load)
+    }
+
+    /// Lifts the contact, or lets it down.
+    pub(super) fn lift(&mut self, is_lifted: bool) {
+        match (is_lifted, self.lifted.take()) {
+            (true, None) => {
+                self.lifted = Some(std::mem::replace(&mut self.load, PowerSeries::ZERO))
+            }
+            (false, Some(load)) => self.load = load,
+            (_, lifted) => self.lifted = lifted,
         }
     }
 

@@ -117,12 +117,12 @@ fn load_firing(
     if !series.load_varies {
         return Ok(None);
     }
-    let sign = if let Phase::Open = state.phase {
+    let sign = if state.mode() == Mode::Open {
         -1.0
     } else {
         1.0
     };
-    let mut load = series.load.scaled(sign);
+    let mut load = series.normal().scaled(sign);
     for k in 0..state.load_edge.known() {
         load[k] = 0.0;
     }

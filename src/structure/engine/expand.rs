@@ -32,8 +32,8 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
             Target::Load(c) => {
                 let load = model.drive(target).series(clock);
                 let contact = &mut series.contacts[c];
-                contact.load = load.scaled(model.contacts[c].compliance);
-                contact.drive_load = contact.load;
+                contact.drive_load = load.scaled(model.contacts[c].compliance);
+                *contact.normal_mut() = contact.drive_load;
             }
             Target::Factor(e) => series.elements[e].factor = model.drive(target).series(clock),
             Target::Rate(state) => {
@@ -108,7 +108,7 @@ pub(super) fn expand(
             (of.speeds, of.carried) = (PowerSeries::ZERO, PowerSeries::ZERO);
             of.clear_bounds();
             if of.load_varies {
-                of.load = PowerSeries::ZERO;
+                *of.normal_mut() = PowerSeries::ZERO;
             }
         }
         for of in series.elements.iter_mut() {
@@ -381,6 +381,7 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     }
     for (of, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
         (of.rate, of.limits) = (None, state.limits.unwrap_or([0.0; 2]));
+        of.lift(state.is_lifted);
         (of.mode, of.side, of.speeds[0]) = match state.phase {
             Phase::Open => (StepMode::Open, 1.0, 0.0),
             Phase::Stick { .. } => (StepMode::Stick, 0.0, 0.0),

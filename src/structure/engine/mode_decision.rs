@@ -158,7 +158,7 @@ fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
         since: clock,
         from: displacement,
     };
-    state.limits = contact.law.limits(&|j| state.memory[j]);
+    state.limits = state.limits_by(contact.law);
 }
 
 /// An open contact closes: it slips if there is a relative velocity.
@@ -186,7 +186,15 @@ pub(super) fn close(
     let surface = &series.contacts[c].surface;
     let velocity = |j: usize| situation.velocity(model, series, j);
     let time = situation.clock.time;
-    let relative = contact.sliding_velocity(velocity, [surface[0], surface[1]], time);
+    let state = &situation.contacts[c];
+    let relative = if state.is_lifted {
+        state.relative()
+    } else {
+        contact.sliding_velocity(velocity, [surface[0], surface[1]], time)
+    };
+    let state = &mut situation.contacts[c];
+    state.is_lifted = false;
+    state.limits = state.limits_by(contact.law);
     check_way(situation, c, relative)?;
     set_phase(model, situation, c, relative);
     Ok(())
@@ -298,15 +306,19 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
         situation.coordinates[i].velocity = situation.velocity(model, series, i);
     }
     let state = &mut situation.contacts[c];
+    state.entry = Entry::Held;
     // The end of stick changes the memory of a law; an elastic contact loses its force.
     if model.contacts[c].is_elastic() {
         state.memory[0] = 0.0;
     } else if state.sticks() {
         model.contacts[c].law.caught(&mut state.memory);
     }
+    if model.contacts[c].law.changes_while_open() {
+        (state.is_lifted, state.limits) = (true, None);
+        return;
+    }
     series.contacts[c].hold_memory(&state.memory);
     state.phase = Phase::Open;
-    state.entry = Entry::Held;
 }
 
 /// Opens contacts whose load is below 0, or 0 and falling, before the decision of the others: they
@@ -334,15 +346,16 @@ fn open_unloaded(
         }
         let rounding = EDGE_ROUNDING * f64::EPSILON * load_terms(model, situation, series, c);
         let of = &mut series.contacts[c];
-        of.load = of.drive_load;
-        of.load[0] += value * contact.compliance;
+        let mut load = of.drive_load;
+        load[0] += value * contact.compliance;
         let falls = if rate.is_nan() {
             false
         } else {
-            of.load[1] += rate * contact.compliance;
-            of.load[0] <= rounding && of.load[1] < 0.0
+            load[1] += rate * contact.compliance;
+            load[0] <= rounding && load[1] < 0.0
         };
-        if (falls || of.load[0] < -rounding)
+        *of.normal_mut() = load;
+        if (falls || load[0] < -rounding)
             && revise_load(model, situation, series, c)?
             && let Some(decision) = decision
         {
@@ -364,14 +377,15 @@ fn revise_load(
     let terms = load_terms(model, situation, series, c);
     let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let state = &mut situation.contacts[c];
-    let is_on_edge = state.load_edge != Edge::Away || of.load[0].abs() <= rounding;
+    let load = of.normal();
+    let is_on_edge = state.load_edge != Edge::Away || load[0].abs() <= rounding;
     let sign = if is_on_edge {
-        let (edge, sign) = leaving(&of.load, terms, None);
+        let (edge, sign) = leaving(load, terms, None);
         state.load_edge = edge;
         // A load that stays 0 gives no friction.
         if sign == 0.0 { -1.0 } else { sign }
     } else {
-        of.load[0]
+        load[0]
     };
     match (state.mode(), sign < 0.0) {
         (Mode::Open, false) => {

@@ -76,12 +76,14 @@ pub(super) struct ContactState {
     pub(super) is_in_group: bool,
     /// True if the force of an elastic contact exceeded its limit after a jump of the load.
     pub(super) was_cut: bool,
+    /// True if the contact is open and its memory still changes: it slips without a load.
+    pub(super) is_lifted: bool,
 }
 
 /// The phase of a contact, with its data.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Phase {
-    /// No load, no friction.
+    /// No load, no friction, and a memory that does not change.
     Open,
     /// r = 0 since a time, from a displacement b·q.
     Stick { since: Clock, from: f64 },
@@ -152,6 +154,7 @@ impl Situation {
                 limits: contact.law.limits(&|j| memory[j]),
                 is_in_group: false,
                 was_cut: false,
+                is_lifted: false,
                 arrival_memory: memory.clone(),
                 memory,
             }
@@ -282,10 +285,19 @@ impl Situation {
 impl ContactState {
     pub(super) fn mode(&self) -> Mode {
         match self.phase {
+            _ if self.is_lifted => Mode::Open,
             Phase::Open => Mode::Open,
             Phase::Stick { .. } => Mode::Stick,
             Phase::Slip { direction, .. } => Mode::Slip(direction),
         }
+    }
+
+    /// μ_s under the present memory; `None` where it cannot stick.
+    pub(super) fn limits_by(&self, law: &dyn LawObject) -> Option<[f64; 2]> {
+        if self.is_lifted {
+            return None;
+        }
+        law.limits(&|j| self.memory[j])
     }
 
     pub(super) fn sticks(&self) -> bool {

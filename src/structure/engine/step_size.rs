@@ -146,10 +146,10 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
         && contacts
             .into_iter()
             .all(|(state, series)| match state.phase {
-                Phase::Open => series.load.is_linear(),
+                Phase::Open => series.normal().is_linear(),
                 Phase::Slip { .. } => {
                     let motion = [&series.speeds, &series.surface];
-                    motion.iter().all(|c| c.is_constant()) && series.load.is_linear()
+                    motion.iter().all(|c| c.is_constant()) && series.normal().is_linear()
                 }
                 Phase::Stick { .. } => {
                     let mut forces = [&series.carried, &series.load]
@@ -178,7 +178,7 @@ pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
         for bound in &of.bounds {
             sum += 0.0 * bound[LAST - 1];
         }
-        sum += 0.0 * of.load[LAST - 1];
+        sum += 0.0 * of.normal()[LAST - 1];
         if state.sticks() {
             sum += 0.0 * of.carried[LAST - 1] + 0.0 * of.carried[LAST - 2];
         }
@@ -452,7 +452,7 @@ fn plan_within(
         }
         if of.load_varies {
             let error = tolerance * load_terms(model, situation, series, c);
-            farthest = farthest.min(reaches.of(error, &of.load, TERMS - 2));
+            farthest = farthest.min(reaches.of(error, of.normal(), TERMS - 2));
         }
         let units = &plan.memory_units[model.memory(c)];
         let variables = std::iter::zip(&of.memories, &state.memory);
