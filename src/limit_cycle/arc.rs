@@ -176,7 +176,7 @@ impl<'s> Tracer<'s> {
                 Direction::Lagging => watch.maximum(&speed, duration, steps.last()),
                 Direction::Leading => None,
             };
-            if is_contact && point.direction == Direction::Lagging && !watch.was_behind {
+            if is_contact && point.direction == Direction::Lagging && watch.has_only_fallen() {
                 shift = self.shift(&end).max(2.0 * shift);
                 point = SlipPoint {
                     displacement: end.displacement + time.sign() * shift,
@@ -222,9 +222,10 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// Distance by which a motion that has left the belt is moved on if it returns before its
-    /// velocity was negative. No motion does: while v > 0, v cannot turn, because v'' = −v where
-    /// v' = 0. The force that moves the mass away was less than the rounding errors of its terms.
+    /// Distance by which a motion whose velocity falls is moved on if it returns to the belt before
+    /// its velocity was negative. No motion does: while v > 0, v cannot turn to grow, because
+    /// v'' = −v where v' = 0. The force that moves the mass away from the belt was less than the
+    /// rounding errors of its terms.
     fn shift(&self, contact: &SlipPoint) -> f64 {
         let size = contact.displacement.abs() + self.scale + self.system.carried_force();
         (ROUNDING * f64::EPSILON * size).max(f64::MIN_POSITIVE)
@@ -347,6 +348,11 @@ impl PeakDetector {
             has_grown: false,
             was_behind: false,
         }
+    }
+
+    /// Returns true if v has been positive and has not grown, except by rounding.
+    fn has_only_fallen(&self) -> bool {
+        !self.has_grown && !self.was_behind
     }
 
     /// The time of the velocity's maximum within a step, which follows the step `before`.

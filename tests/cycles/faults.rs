@@ -6,8 +6,8 @@ use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Mode,
-    Polynomial, State, Stribeck, Tabulated, bifurcation,
+    AnyLaw, Coulomb, CycleKind, Error, EventKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt,
+    Mode, Polynomial, State, Stribeck, Tabulated, bifurcation,
 };
 
 #[test]
@@ -438,4 +438,37 @@ fn a_stick_phase_whose_time_overflows_is_in_no_cycle() {
     let cycles = cycles.unwrap();
     let [&cycle] = exactly(&cycles.iter().collect::<Vec<_>>());
     assert!(cycle.period().is_finite() && cycle.rms_velocity() > 0.0);
+}
+
+/// The belt carries the mass along whether it was caught before its velocity was negative or not.
+#[test]
+fn a_start_and_the_stick_that_it_comes_to_have_one_attractor() {
+    fn search(law: impl FrictionLaw, v_b: f64, damping: f64) -> usize {
+        let system = MassOnBelt::new(law, v_b).unwrap();
+        let system = system.with_damping(damping).unwrap();
+        let basins = limit_cycle::basins(&system).unwrap();
+        let mut caught = 0;
+        for i in 0..30 {
+            for j in -3..12 {
+                let start = State::new(0.04 * f64::from(i) - 0.3, 0.083 * v_b * f64::from(j));
+                let motion = system.simulate(start, 8.0).unwrap();
+                let [event, ..] = motion.events() else {
+                    continue;
+                };
+                if event.kind == EventKind::Stick {
+                    let attractors = [start, event.state].map(|start| basins.attractor(start));
+                    let [expected, found] = attractors.map(Result::unwrap);
+                    assert_eq!(expected, found, "{start:?} {event:?}");
+                    caught += 1;
+                }
+            }
+        }
+        caught
+    }
+    let caught = [
+        search(Coulomb::new(0.4, 0.25).unwrap(), 0.2, 0.02),
+        search(Coulomb::new(0.4, 0.1).unwrap(), 0.5, 0.0019),
+        search(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2, 0.05),
+    ];
+    assert!(caught.iter().all(|count| *count > 50), "{caught:?}");
 }
