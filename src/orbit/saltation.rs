@@ -126,7 +126,8 @@ impl LawAt<'_> {
                 load * (after - before)
             }
             EventKind::Release(to) => {
-                let surplus = self.limit(to, memory).0 - to.sign() * self.coefficient(to, memory);
+                let coefficient = self.coefficient(to, &self.caught(memory));
+                let surplus = self.limit(to, memory).0 - to.sign() * coefficient;
                 -to.sign() * (load * surplus).max(0.0)
             }
         }

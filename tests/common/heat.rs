@@ -12,6 +12,8 @@ pub struct Heat {
     pub cooling: f64,
     /// c: a contact that is pressed conducts more heat.
     pub conduction: f64,
+    /// The part of z that is left where stick begins or ends.
+    pub kept: f64,
 }
 
 impl Heat {
@@ -38,8 +40,8 @@ impl ContactLaw for Heat {
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
-    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
-        memory
+    fn caught(&self, [z]: [f64; 1]) -> [f64; 1] {
+        [self.kept * z]
     }
     fn changes_while_open(&self) -> bool {
         true

@@ -254,6 +254,7 @@ fn derivatives_with_heat_are_those_of_motions_beside() {
                 heating: random.uniform(0.2, 2.0),
                 cooling: random.uniform(0.0, 1.0),
                 conduction: random.uniform(0.0, 1.0),
+                kept: random.uniform(0.6, 1.0),
             };
             let [i, j] = [0; 2].map(|_| random.one_of(n) as usize);
             let load = random.drive(1.0, 0.9, false);
@@ -284,6 +285,7 @@ fn derivatives_with_load_laws_are_those_of_motions_beside() {
                 heating: random.uniform(0.0, 1.0),
                 cooling: random.uniform(0.0, 1.0),
                 conduction: random.uniform(0.0, 1.0),
+                kept: random.uniform(0.6, 1.0),
             };
             let i = random.one_of(n as u64) as usize;
             let load = random.drive(0.8, 0.4, false);

@@ -3,7 +3,9 @@
 use std::cell::Cell;
 
 use stick_slip::structure::State;
-use stick_slip::{Contact, ContactLaw, Drive, Error, EventKind, Motion, Scalar, Slip, Structure};
+use stick_slip::{
+    Contact, ContactLaw, Drive, Error, EventKind, Mode, Motion, Scalar, Segment, Slip, Structure,
+};
 
 use crate::common::collocation::integrate;
 use crate::common::heat::Heat;
@@ -16,6 +18,7 @@ fn brake() -> Heat {
         heating: 0.3,
         cooling: 0.0,
         conduction: 0.0,
+        kept: 1.0,
     }
 }
 
@@ -265,4 +268,62 @@ fn a_contact_cools_while_it_is_open() {
         },
     );
     assert!(closings.get() > 500, "{closings:?}");
+}
+
+/// Slip begins with the friction of the memory that the law gives it: of a contact alone, and of one
+/// on masses that share it.
+#[test]
+fn slip_begins_with_the_friction_of_its_memory() {
+    let slips = Cell::new(0);
+    for_all(
+        100,
+        [0.5..3.0, 0.0..0.4, 0.3..1.0, 0.3..0.9],
+        |[stiffness, damping, frequency, kept]| {
+            let law = Heat {
+                heating: 1.5,
+                cooling: 0.2,
+                kept,
+                ..brake()
+            };
+            let [alone, shared] = [Contact::new(0, law, 0.6), Contact::between(0, 1, law, 0.6)]
+                .map(|contact| {
+                    Structure::new(&[1.0, 2.0])
+                        .and_then(|s| s.with_ground_spring(0, stiffness)?.with_contact(contact?))
+                        .and_then(|s| s.with_ground_damper(0, damping))
+                        .and_then(|s| s.with_force(0, Drive::harmonic(1.0, frequency, 0.0)?))
+                        .unwrap()
+                });
+            for (is_shared, system) in [(false, alone), (true, shared)] {
+                let start = State::new(&[0.3, 0.0], &[0.4, 0.1]).with_memory(&[0.2]);
+                let motion = system.simulate(start, 30.0).unwrap();
+                // Central differences, with an error of the second order.
+                let width = 1e-4;
+                for step in motion.steps() {
+                    let Mode::Slip(side) = step.modes()[0] else {
+                        continue;
+                    };
+                    if step.duration() < 2.0 * width {
+                        continue;
+                    }
+                    let time = step.start_time() + width;
+                    let [before, at, after] =
+                        [-width, 0.0, width].map(|by| motion.state_at(time + by).unwrap());
+                    let friction = side.sign() * 0.6 * (0.2 + 0.3 * (-at.memory[0]).exp());
+                    let drive = (frequency * time).cos();
+                    let others = stiffness * at.displacements[0] + damping * at.velocities[0];
+                    let expected = [
+                        drive - others - friction,
+                        if is_shared { 0.5 * friction } else { 0.0 },
+                    ];
+                    for (i, expected) in expected.into_iter().enumerate() {
+                        let found = (after.velocities[i] - before.velocities[i]) / (2.0 * width);
+                        assert!((found - expected).abs() < 1e-6, "{time} {found} {expected}");
+                    }
+                    slips.set(slips.get() + 1);
+                }
+            }
+            Ok(())
+        },
+    );
+    assert!(slips.get() > 5000, "{slips:?}");
 }

@@ -300,6 +300,7 @@ fn motions_are_those_of_an_independent_integrator() {
         heating: 0.4,
         cooling: 0.3,
         conduction: 0.2,
+        kept: 1.0,
     };
     let cubic = PolynomialSpring::new(&[0.2, 0.3, 0.5]).unwrap();
     let damper = VanDerPol::new(-0.1, 0.2).unwrap();

@@ -149,16 +149,19 @@ fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
         }
         return;
     }
+    state.limits = state.limits_by(contact.law);
     if let Phase::Slip { direction, .. } = state.phase {
         state.entry = Entry::Arrived(Some(direction));
-        state.arrival_memory.clone_from(&state.memory);
-        contact.law.caught(&mut state.memory);
+        if state.limits.is_some() {
+            state.arrival_memory.clone_from(&state.memory);
+            contact.law.caught(&mut state.memory);
+            state.limits = state.limits_by(contact.law);
+        }
     }
     state.phase = Phase::Stick {
         since: clock,
         from: displacement,
     };
-    state.limits = state.limits_by(contact.law);
 }
 
 /// An open contact closes: it slips if there is a relative velocity.

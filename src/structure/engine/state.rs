@@ -1,5 +1,7 @@
 //! The situation: data that change at events.
 
+use std::borrow::Cow;
+
 use super::cholesky::{Holding, Pivot};
 use super::contact_data::ContactData;
 use super::element_events::ElementState;
@@ -359,6 +361,20 @@ impl ContactState {
         matches!(self.entry, Entry::Arrived(_))
     }
 
+    /// The memory with which slip would begin: as it was when the contact came to r = 0, or what
+    /// the law makes of that of stick.
+    fn memory_in_slip(&self, law: &dyn LawObject) -> Cow<'_, [f64]> {
+        match self.entry {
+            _ if self.limits.is_none() => Cow::Borrowed(&self.memory),
+            Entry::Arrived(Some(_)) => Cow::Borrowed(&self.arrival_memory),
+            _ => {
+                let mut memory = self.memory.clone();
+                law.caught(&mut memory);
+                Cow::Owned(memory)
+            }
+        }
+    }
+
     /// μ at the start of slip in a direction, signed as r.
     pub(super) fn start_coefficient(&self, law: &dyn LawObject, side: Direction) -> f64 {
         let slip = Slip {
@@ -366,14 +382,12 @@ impl ContactState {
             direction: side.sign(),
             piece: 0,
         };
-        law.coefficient(slip, &|j| self.memory[j])
+        let memory = self.memory_in_slip(law);
+        law.coefficient(slip, &|j| memory[j])
     }
 
-    /// A contact whose law never sticks passes through r = 0.
+    /// A contact that never sticks passes through r = 0.
     pub(super) fn pass_through(&mut self, direction: Direction) {
-        if let Entry::Arrived(Some(_)) = self.entry {
-            self.memory.clone_from(&self.arrival_memory);
-        }
         self.phase = Phase::Slip {
             direction,
             speed: 0.0,
@@ -384,10 +398,7 @@ impl ContactState {
 
     /// Slip begins at r = 0, from stick or on the way through.
     pub(super) fn begin_slip(&mut self, law: &dyn LawObject, side: Direction, rate: Option<f64>) {
-        match self.entry {
-            Entry::Arrived(Some(_)) => self.memory.clone_from(&self.arrival_memory),
-            _ => law.caught(&mut self.memory),
-        }
+        self.memory = self.memory_in_slip(law).into_owned();
         self.phase = Phase::Slip {
             direction: side,
             speed: 0.0,
