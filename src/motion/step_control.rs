@@ -97,7 +97,8 @@ impl Allowance {
     #[inline(always)]
     pub(crate) fn new(error: f64, largest_term: f64) -> Self {
         Self {
-            error,
+            // Smaller numbers have few digits.
+            error: error.max(f64::MIN_POSITIVE),
             floor: DEFECT_FLOOR * f64::EPSILON * largest_term,
         }
     }

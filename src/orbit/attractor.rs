@@ -202,6 +202,7 @@ pub(super) fn settled<S: Oscillator>(
     };
     let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
     let mut fastest = fastest_surface(form);
+    let mut largest_states = vec![0.0; form.model.first_order.len()];
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
     let mut end = 0.0;
@@ -228,7 +229,8 @@ pub(super) fn settled<S: Oscillator>(
             None => AT_REST * fastest,
             Some(period) => still(form, seen.displacement(), period),
         };
-        let rests = seen.velocities().all(|range| speed(form, range) <= slow) && seen.states_rest();
+        let states_rest = seen.states_rest(&mut largest_states);
+        let rests = states_rest && seen.velocities().all(|range| speed(form, range) <= slow);
         let is_long_enough = period.is_none() || seen.strobes.len() > 1;
         if rests && seen.events.is_empty() && is_long_enough {
             return Ok((at_rest(&seen.modes), last));
@@ -522,11 +524,15 @@ impl Recurrence {
         displacements.copied().map(size).fold(0.0, f64::max)
     }
 
-    /// Returns true if first-order states are constant: masses stick for as long as the integral of
-    /// a controller grows.
-    fn states_rest(&self) -> bool {
-        let mut ranges = self.states.iter().map(|(_, range)| *range);
-        ranges.all(|range| range.1 - range.0 <= AT_REST * size(range))
+    /// Returns true if first-order states are constant, compared with the largest sizes so far:
+    /// masses stick for as long as the integral of a controller grows.
+    fn states_rest(&self, largest: &mut [f64]) -> bool {
+        let mut rest = true;
+        for ((_, range), largest) in std::iter::zip(&self.states, largest) {
+            *largest = largest.max(size(*range));
+            rest &= range.1 - range.0 <= AT_REST * *largest;
+        }
+        rest
     }
 
     /// Least and largest of each velocity.

@@ -459,3 +459,33 @@ fn hunting_ends_where_the_mass_no_longer_stops() {
     };
     assert!(farthest(2390.0) < 1.0 && farthest(2420.0) > 10.0);
 }
+
+/// A Maxwell element, c x' = z + T z', beside a mass that sticks or slides steadily: its force
+/// decays below every number.
+#[test]
+fn a_force_that_decays_is_at_rest() {
+    let machine = |time: f64, belt: f64| {
+        let element = FirstOrder::lag(time)?
+            .with_velocity(0, 0.2)?
+            .with_force(0, -1.0)?;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_first_order(element)?
+            .with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?.on_belt(belt))
+    };
+    let start = State::new(&[1.0], &[0.0]);
+    for i in 0..40 {
+        let time = 0.05 * 1.1_f64.powi(i);
+        for (belt, kind) in [
+            (0.0, AttractorKind::Rest),
+            (0.5, AttractorKind::SteadySliding),
+        ] {
+            let system = machine(time, belt).unwrap();
+            let attractor = orbit::classify(&system, &start).unwrap();
+            assert_eq!(attractor.kind(), kind, "{time} {belt}");
+        }
+        let sticks = machine(time, 0.0).unwrap();
+        let motion = sticks.simulate(start.clone(), 1500.0 * time).unwrap();
+        assert!(motion.last().memory[0].abs() < 1e-300, "{time}");
+    }
+}

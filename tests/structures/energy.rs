@@ -35,7 +35,7 @@ fn size(system: &Structure, motion: &Trajectory<State>, budget: &EnergyBudget) -
     turned + budget.damper_loss.abs() + budget.circulation.abs() + stored.fold(0.0, f64::max)
 }
 
-/// The balance closes; so does that of each rigid contact.
+/// The balance closes, with the energy of the ends; so does that of each rigid contact.
 #[track_caller]
 fn check(system: &Structure, motion: &Trajectory<State>, allowed: f64, about: &str) -> f64 {
     let budget = system.energy_budget(motion).unwrap();
@@ -45,6 +45,18 @@ fn check(system: &Structure, motion: &Trajectory<State>, allowed: f64, about: &s
     assert!(
         defect <= allowed,
         "{about}: {defect:e} of {size}\n{budget:?}"
+    );
+    // What is stored is a function of the state.
+    let energy = |time: f64, state: &State| {
+        system.elastic_energy(time, state).unwrap() + system.kinetic_energy(state).unwrap()
+    };
+    let first = &motion.steps()[0];
+    let end = motion.steps().last().map_or(0.0, Segment::end_time);
+    let stored = energy(end, &motion.last()) - energy(first.start_time(), first.state());
+    let missing = (budget.stored - stored).abs() / size;
+    assert!(
+        missing <= allowed,
+        "{about}: {missing:e} {stored}\n{budget:?}"
     );
     for (c, contact) in system.contacts().iter().enumerate() {
         let (drive, belt) = (budget.drive_work[c], budget.belt_work[c]);

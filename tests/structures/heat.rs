@@ -327,3 +327,27 @@ fn slip_begins_with_the_friction_of_its_memory() {
     );
     assert!(slips.get() > 5000, "{slips:?}");
 }
+
+/// z' = −bz beside masses that nothing moves: down to 0.
+#[test]
+fn a_contact_that_nothing_moves_cools() {
+    let law = Heat {
+        cooling: 0.5,
+        ..brake()
+    };
+    let contact = || Contact::between(0, 1, law, 1.0).unwrap();
+    let clutch = Structure::new(&[1.0, 2.0]).unwrap();
+    let clutch = clutch.with_contact(contact()).unwrap();
+    for speed in [0.0, 0.7] {
+        let start = State::new(&[0.0; 2], &[speed; 2]).with_memory(&[0.8]);
+        let motion = clutch.simulate(start, 1e5).unwrap();
+        for t in [1.0, 20.0, 50.0, 300.0, 1400.0, 1e5] {
+            let found = motion.state_at(t).unwrap().memory[0];
+            let expected = 0.8 * (-0.5 * t).exp();
+            // The exponent is right to 1e-13.
+            let allowed = 1e-13 * (1.0 + 0.5 * t) * expected + 1e-307;
+            assert!((found - expected).abs() < allowed, "{t} {found} {expected}");
+        }
+        assert!(motion.steps().len() < 1000, "{}", motion.steps().len());
+    }
+}

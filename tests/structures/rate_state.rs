@@ -866,3 +866,36 @@ fn state_variables_change_while_a_contact_is_open() {
         );
     }
 }
+
+/// At rest φ = φ₀ + ln(1 + t/t₀) with t₀ = D_c e^{φ₀}/V₀, for as long as one likes; with a spring,
+/// without one, and beside a mass that moves.
+#[test]
+fn a_contact_at_rest_heals_by_the_logarithm() {
+    for (d_c, v0) in [(0.3, 0.1), (1e-5, 1e-6), (1.0, 1.0)] {
+        let law = RateState::aging(0.6, 0.01, 0.015, d_c, v0).unwrap();
+        let contact = || Contact::new(0, law, 2.0).unwrap();
+        let alone = Structure::new(&[1.0]).unwrap();
+        let sprung = alone.clone().with_ground_spring(0, 1e-3).unwrap();
+        let pair = Structure::new(&[1.0, 1.0]).unwrap();
+        for (system, moving) in [(alone, None), (sprung, None), (pair, Some(1.0))] {
+            let system = system.with_contact(contact()).unwrap();
+            for phi in [0.0, -6.0, -3.0, 3.0] {
+                let unit = d_c / v0 * f64::exp(phi);
+                let velocities: Vec<f64> = [0.0].into_iter().chain(moving).collect();
+                let start = State::new(&vec![0.0; system.len()], &velocities);
+                let start = start.with_memory(&[phi]);
+                let motion = system.simulate(start, 1e6 * unit).unwrap();
+                for part in [0.3, 1.0, 3.0, 10.0, 1e3, 1e6] {
+                    let found = motion.state_at(part * unit).unwrap().memory[0];
+                    let expected = phi + f64::ln_1p(part);
+                    let allowed = 1e-13 * expected.abs().max(1.0);
+                    assert!(
+                        (found - expected).abs() < allowed,
+                        "{system:?} {phi} {part}: {found} {expected}"
+                    );
+                }
+                assert!(motion.steps().len() < 200, "{}", motion.steps().len());
+            }
+        }
+    }
+}

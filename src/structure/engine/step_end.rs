@@ -55,7 +55,7 @@ pub(super) fn land(
         Disturbance::None
     };
     for (state, series) in std::iter::zip(&mut situation.states, &series.states) {
-        *state = series.at(h);
+        *state = unless_subnormal(series.at(h));
     }
     let fires_alone = firings.contacts.iter().flatten().count() == 1;
     for (c, firing) in firings.contacts.iter_mut().enumerate() {
@@ -113,6 +113,11 @@ fn slide_on(model: &Model<'_>, situation: &mut Situation, series: &Series, time:
     }
 }
 
+/// What decays ends at 0: subnormal numbers have too few digits for a series.
+fn unless_subnormal(x: f64) -> f64 {
+    if x.is_subnormal() { 0.0 } else { x }
+}
+
 /// Returns true if a sliding speed that is 0 at the end of a step does not only touch it. Where r'
 /// is continuous, the series decide: on a slow manifold r' by the balance of forces is rounding.
 fn goes_on(speeds: &PowerSeries, h: f64) -> bool {
@@ -136,7 +141,7 @@ fn land_contact(
     let (contact, h) = (&model.contacts[c], settled.duration);
     let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
     for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
-        *memory = series.at(h);
+        *memory = unless_subnormal(series.at(h));
     }
     let stays = !jumps && of.stays_along(state.edge, h);
     let edge = if stays { state.edge } else { Edge::Away };

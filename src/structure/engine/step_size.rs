@@ -8,7 +8,7 @@ use super::series::Series;
 use super::state::{ContactState, Phase, Situation};
 use super::stiff_sliding_speeds::Stiff;
 use super::time_scales::{closings, settling, springiness, time_unit};
-use crate::motion::step_control::{Allowance, FARTHEST, LOOSEST, STIFF};
+use crate::motion::step_control::{Allowance, FARTHEST, LOOSEST, STIFF, reach, root_of_ratio};
 use crate::series::{PowerSeries, TERMS};
 
 /// Largest time, in lengths of a step, over which the change of a velocity is used as its scale.
@@ -517,9 +517,9 @@ fn stiff_error(
     error.max(HOVER * f64::EPSILON * terms / rate)
 }
 
-/// The length of a step in which only the memory of contacts changes: until it has changed by its
-/// own size, and longer if the structure's own times are longer. Notes the errors allowed in the
-/// plan.
+/// The length of a step in which only the memory of contacts changes: as far as the series of the
+/// memory reach. One that is linear may change by its own size, and more if the structure's own
+/// times are longer. Notes the errors allowed in the plan.
 pub(super) fn plan_memory(
     model: &Model<'_>,
     situation: &Situation,
@@ -530,16 +530,26 @@ pub(super) fn plan_memory(
     let closed = contacts.filter(|(state, _)| !state.phase_is_open());
     let memories = closed.flat_map(|(_, of)| &of.memories);
     let changing = memories.filter(|memory| !memory.is_constant());
-    let times = changing.map(|memory| (memory[0] / memory[1]).abs());
-    let Some(least) = times.reduce(f64::min) else {
+    let mut changing = changing.peekable();
+    if changing.peek().is_none() {
         return f64::INFINITY;
+    }
+    let (tolerance, plan) = (control.tolerance, &mut control.plan);
+    plan_reach(model, situation, series, tolerance, plan);
+    let reach = |memory: &PowerSeries| {
+        const LAST: usize = TERMS - 1;
+        let own = (memory[0] / memory[1]).abs();
+        if memory.is_linear() {
+            own.max(FARTHEST * plan.unit)
+        } else if memory[LAST] == 0.0 && memory[LAST - 1] == 0.0 {
+            own
+        } else {
+            // Its size is also what it changes by within its radius of convergence.
+            let rate = memory[1].abs();
+            let by = |n: usize| root_of_ratio(rate, memory[n].abs(), n - 1);
+            let size = memory[0].abs().max(rate * by(LAST).min(by(LAST - 1)));
+            reach((tolerance * size).max(f64::MIN_POSITIVE), memory, LAST)
+        }
     };
-    plan_reach(
-        model,
-        situation,
-        series,
-        control.tolerance,
-        &mut control.plan,
-    );
-    least.max(FARTHEST * control.plan.unit)
+    changing.map(reach).fold(f64::INFINITY, f64::min)
 }
