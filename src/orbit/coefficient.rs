@@ -1,6 +1,6 @@
 //! The coefficients of the variational equations.
 
-use crate::series::{PowerSeries, TERMS};
+use crate::series::PowerSeries;
 
 /// A coefficient of the variational equations.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,15 +21,6 @@ impl From<PowerSeries> for Coefficient {
 impl Coefficient {
     pub(super) fn is_constant(&self) -> bool {
         self.terms <= 1
-    }
-
-    /// Returns this coefficient as a series about a later time.
-    pub(super) fn shifted(&self, time: f64) -> Self {
-        // Where a stiff contact settles, high orders overflow.
-        let is_beyond = |k: &usize| *k > 0 && !self.series[*k].is_finite();
-        let kept = (0..TERMS).find(is_beyond).unwrap_or(TERMS);
-        let finite = |k: usize| if k < kept { self.series[k] } else { 0.0 };
-        Self::from(PowerSeries::from_fn(finite).shifted(time))
     }
 }
 

@@ -49,15 +49,6 @@ impl ElementDerivatives {
     pub(super) fn is_constant(&self) -> bool {
         self.0.iter().flatten().all(Coefficient::is_constant)
     }
-
-    /// Returns these derivatives as series about a later time.
-    pub(super) fn shifted(&self, time: f64) -> Self {
-        let lists = self.0.iter().map(|list| {
-            let list = list.iter().map(|of| of.shifted(time));
-            list.collect()
-        });
-        Self(lists.collect())
-    }
 }
 
 /// The positions and velocities of an element along a step.

@@ -53,6 +53,9 @@ const MOST_RETURNS: usize = 12;
 /// its family, in units of the sizes and of the magnification by the motion.
 const CONSERVED: f64 = 4.0 * f64::EPSILON;
 
+/// A memory variable below this part of its size is 0 after a Newton step.
+const ROUNDING: f64 = 1024.0 * f64::EPSILON;
+
 /// A residual below this is none: a memory variable that decays may come nearer to 0 for ever.
 const ZERO: f64 = f64::EPSILON * f64::EPSILON;
 
@@ -116,7 +119,14 @@ impl<'s> Problem<'s> {
     /// of its belt to the bit.
     fn changed(&self, trial: &TrialMotion, change: &DVector<f64>, part: f64) -> State {
         let map = &trial.map;
-        let start = vector(&map.start, map.order()) + change * part;
+        let mut start = vector(&map.start, map.order()) + change * part;
+        // What only decays is 0 in a closed motion, and its own size is none to measure it by.
+        let sizes = map.sizes();
+        for row in 2 * self.form.len()..map.order() {
+            if start[row].abs() <= ROUNDING * sizes[row] {
+                start[row] = 0.0;
+            }
+        }
         let mut changed = state(&start, self.form.len());
         let (modes, before) = (map.end_modes(), &map.start.velocities);
         let keeps = |c: usize| part == 1.0 || self.form.is_at_rest(c, before, 0.0);

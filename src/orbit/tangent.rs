@@ -164,7 +164,8 @@ impl<'s> TangentFlow<'s> {
         }
         let h = step.duration();
         let reached = |t: f64| Reached::new(step.start_time() + t, step.state_at(t));
-        self.expand((h, &reached), &linear)?;
+        let later = |since: f64| linear.later(&self.form.model, step, since);
+        self.expand((h, &reached), (&linear, &later))?;
         self.limit_elastic(step.modes());
         Ok(Some(linear))
     }
@@ -181,7 +182,8 @@ impl<'s> TangentFlow<'s> {
             Some(exponential) => self.tangents = exponential * &self.tangents,
             None => {
                 let reached = |_| phase.begins.clone();
-                self.expand((phase.duration, &reached), &phase.linear)?;
+                let constant = |_| phase.linear.clone();
+                self.expand((phase.duration, &reached), (&phase.linear, &constant))?;
             }
         }
         self.limit_elastic(&phase.modes);
@@ -194,7 +196,7 @@ impl<'s> TangentFlow<'s> {
     }
 
     /// Integrates the tangents by their power series.
-    fn expand(&mut self, stretch: Stretch<'_>, linear: &Linear) -> Result<(), Error> {
+    fn expand(&mut self, stretch: Stretch<'_>, linear: Coefficients<'_>) -> Result<(), Error> {
         let rows = self.tangents.nrows();
         let columns = self.tangents.as_mut_slice().chunks_mut(rows);
         let mut columns: Vec<_> = columns.filter(|column| is_alive(column)).collect();
@@ -236,12 +238,15 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
 /// A time, and the state of the motion after a part of it.
 type Stretch<'a> = (f64, &'a dyn Fn(f64) -> Reached);
 
+/// The coefficients of the variational equations, and those about a later time.
+type Coefficients<'a> = (&'a Linear, &'a dyn Fn(f64) -> Linear);
+
 /// Integrates perturbations, each in a slice, over a time h. If their own series converge over less
 /// than h, as on a steady motion of any length, it is taken in parts, each counted as a step.
 fn advance<const W: usize>(
     form: &GeneralForm<'_>,
     (h, reached): Stretch<'_>,
-    linear: &Linear,
+    (linear, later): Coefficients<'_>,
     columns: &mut [&mut [f64]],
     (work, mut logarithm): (&mut Vec<f64>, Option<&mut f64>),
 ) -> Result<(), Error> {
@@ -313,7 +318,7 @@ fn advance<const W: usize>(
             return Err(form.too_many(reached()));
         }
         form.count(&reached)?;
-        linear = Cow::Owned(linear.shifted(part));
+        linear = Cow::Owned(later(h - left));
     }
     for (lane, column) in columns.iter_mut().enumerate() {
         for (x, row) in std::iter::zip(&mut **column, &*rows) {

@@ -93,25 +93,30 @@ impl ContactDerivatives {
     pub(super) fn takes_load(&self) -> bool {
         self.reacts || self.by_load.is_some() || !self.rates_by_load.is_empty()
     }
-
-    /// Returns these coefficients as series about a later time.
-    pub(super) fn shifted(&self, time: f64) -> Self {
-        let one = |of: &Coefficient| of.shifted(time);
-        let all = |row: &Vec<Coefficient>| -> Vec<_> { row.iter().map(one).collect() };
-        Self {
-            friction: all(&self.friction),
-            by_load: self.by_load.as_ref().map(one),
-            rates: self.rates.iter().map(all).collect(),
-            rates_by_load: all(&self.rates_by_load),
-            depends: self.depends.clone(),
-            ..*self
-        }
-    }
 }
 
 impl Linear {
     /// The coefficients along a step of positive length.
     pub(super) fn of(model: &Model<'_>, step: &Step) -> Self {
+        let sticks = |c: usize| step.modes()[c] == Mode::Stick;
+        let is_held = |i: &usize| model.owner[*i].is_some_and(sticks);
+        let without = Self {
+            contacts: Vec::new(),
+            elements: Vec::new(),
+            stuck: (0..model.len()).filter(is_held).collect(),
+            holding: model.holding(&sticks),
+        };
+        without.along(model, step)
+    }
+
+    /// The coefficients as series about a later time of the step. Their own series may converge
+    /// over less than the step, and do not give them there.
+    pub(super) fn later(&self, model: &Model<'_>, step: &Step, since: f64) -> Self {
+        let rest = step.clone().from(since);
+        self.clone().along(model, &rest)
+    }
+
+    fn along(self, model: &Model<'_>, step: &Step) -> Self {
         let contacts = model.contacts.iter().enumerate();
         let contacts = contacts.map(|(number, contact)| {
             let variables = &contact.memory;
@@ -125,40 +130,19 @@ impl Linear {
             };
             along.joint(step.modes()[number])
         });
-        let sticks = |c: usize| step.modes()[c] == Mode::Stick;
-        let is_held = |i: &usize| model.owner[*i].is_some_and(sticks);
         let elements = 0..model.elements.len();
         Self {
             contacts: contacts.collect(),
             elements: elements
                 .map(|e| ElementDerivatives::of(model, e, step))
                 .collect(),
-            stuck: (0..model.len()).filter(is_held).collect(),
-            holding: model.holding(&sticks),
+            ..self
         }
     }
 
     pub(super) fn is_constant(&self) -> bool {
         self.contacts.iter().all(ContactDerivatives::is_constant)
             && self.elements.iter().all(ElementDerivatives::is_constant)
-    }
-
-    /// Returns these coefficients as series about a later time.
-    pub(super) fn shifted(&self, time: f64) -> Self {
-        Self {
-            contacts: self
-                .contacts
-                .iter()
-                .map(|joint| joint.shifted(time))
-                .collect(),
-            elements: self
-                .elements
-                .iter()
-                .map(|element| element.shifted(time))
-                .collect(),
-            stuck: self.stuck.clone(),
-            holding: self.holding.clone(),
-        }
     }
 }
 

@@ -489,3 +489,44 @@ fn a_force_that_decays_is_at_rest() {
         assert!(motion.last().memory[0].abs() < 1e-300, "{time}");
     }
 }
+
+/// A state that only decays, beside a mass that vibrates: its value in the periodic motion is 0.
+#[test]
+fn a_state_that_decays_does_not_hide_a_periodic_motion() {
+    let contact = || {
+        let law = Exponential::new(0.4, 0.25, 0.5)?;
+        Ok::<_, Error>(Contact::new(0, law, 1.0)?.on_belt(0.2))
+    };
+    let plain = || {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_contact(contact()?)
+    };
+    let settled = |system: &Structure, start: &State, transient: f64| {
+        orbit::settle(system, start, transient, Period::Free(6.43)).unwrap()
+    };
+    let cycle = settled(&plain().unwrap(), &State::at_rest(1), 400.0);
+    for (time, force) in [(1.0, 0.1), (5.0, 0.1), (5.0, 0.0), (20.0, 0.1)] {
+        let state = FirstOrder::lag(time).unwrap().with_force(0, force).unwrap();
+        let system = plain().unwrap().with_first_order(state).unwrap();
+        for memory in [0.0, 0.05] {
+            let start = State::at_rest(1).with_memory(&[memory]);
+            for transient in [100.0, 400.0, 3000.0] {
+                let found = settled(&system, &start, transient);
+                let apart = (found.period() - cycle.period()).abs();
+                assert!(apart < 1e-12, "{time} {memory} {transient}: {apart:e}");
+                assert!(
+                    found.state().memory[0].abs() < 1e-15,
+                    "{time} {memory} {transient}"
+                );
+            }
+            let attractor = orbit::classify(&system, &start).unwrap();
+            assert_eq!(
+                attractor.kind(),
+                AttractorKind::StickSlip,
+                "{time} {memory}"
+            );
+        }
+    }
+}

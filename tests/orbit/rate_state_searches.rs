@@ -2,6 +2,7 @@
 //! by the coefficients, against closed forms and identities.
 
 use stick_slip::bifurcation::hopf_locus;
+use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::orbit::{
     AttractorKind, BranchEnd, Orbit, Period, begin, classify, follow, orbit_sensitivities,
     section_through, sensitivities, settle, shoot, sweep,
@@ -379,5 +380,49 @@ fn velocity_steps_have_the_derivatives_of_differences() {
                 "{time}, {j}: {slope} {expected}"
             );
         }
+    }
+}
+
+/// The rate at which the speed of a slider settles falls by decades within the step that begins at
+/// a reversal.
+#[test]
+fn a_slider_that_reverses_has_the_multipliers_of_differences() {
+    let law = RateState::aging(0.3, 0.0719, 0.1259, 0.0107, 0.3078).unwrap();
+    let system = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_force(0, Drive::harmonic(1.2431, 0.3530, 0.0)?))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 0.6)?))
+        .unwrap();
+    let start = State::new(&[0.2], &[0.0]).with_memory(&[0.5]);
+    let orbit = settle(&system, &start, 100.0, Period::Driven(1)).unwrap();
+    let numbers =
+        |state: &State| vec![state.displacements[0], state.velocities[0], state.memory[0]];
+    let motion = system
+        .simulate(orbit.state().clone(), orbit.period())
+        .unwrap();
+    for (begin, end) in std::iter::zip(numbers(&orbit.state()), numbers(&motion.last())) {
+        assert!(
+            (begin - end).abs() < 1e-11 * (1.0 + begin.abs()),
+            "{begin} {end}"
+        );
+    }
+    let after = |by: [f64; 3]| {
+        let start = orbit.state();
+        let [q, v, phi] = by;
+        let start = State::new(&[start.displacements[0] + q], &[start.velocities[0] + v])
+            .with_memory(&[start.memory[0] + phi]);
+        DVector::from_vec(numbers(
+            &system.simulate(start, orbit.period()).unwrap().last(),
+        ))
+    };
+    let columns = [[1e-5, 0.0, 0.0], [0.0, 1e-6, 0.0], [0.0, 0.0, 1e-5]].map(|by: [f64; 3]| {
+        let apart = |part: f64| after(by.map(|x| part * x)) - after(by.map(|x| -part * x));
+        (apart(1.0) * 8.0 - apart(2.0)) / (12.0 * by.iter().sum::<f64>())
+    });
+    let derivative = DMatrix::from_columns(&columns);
+    let mut expected: Vec<_> = derivative.complex_eigenvalues().iter().copied().collect();
+    expected.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+    for (found, expected) in std::iter::zip(orbit.multipliers(), expected) {
+        assert!((found - expected).norm() < 1e-7, "{found} {expected}");
     }
 }

@@ -669,3 +669,19 @@ fn a_state_without_a_force_changes_no_motion() {
     ];
     assert!((a - b).abs() < 1e-13);
 }
+
+/// A force that decays relieves a contact at its limit: no event, and no end.
+#[test]
+fn contacts_at_their_limit_outlast_what_decays() {
+    let contact = || Contact::new(0, Coulomb::new(0.3, 0.3).unwrap(), 1.0).unwrap();
+    for time in [0.05, 0.2080570187, 0.4, 1.3] {
+        let element = FirstOrder::lag(time).unwrap().with_force(0, -1.0).unwrap();
+        let system = Structure::new(&[1.0])
+            .and_then(|s| s.with_ground_spring(0, 1.0)?.with_first_order(element))
+            .and_then(|s| s.with_contact(contact()))
+            .unwrap();
+        let start = State::new(&[0.3], &[0.0]).with_memory(&[-0.05]);
+        let last = system.simulate(start, 5000.0 * time).unwrap().last();
+        assert_eq!((last.displacements[0], last.velocities[0]), (0.3, 0.0));
+    }
+}
