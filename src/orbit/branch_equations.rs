@@ -470,10 +470,10 @@ impl Curve<'_> {
         None
     }
 
-    /// The largest part of a Newton step: each number in units of its scale, or of its size in the
-    /// motion if that is smaller.
+    /// The largest part of a Newton step: each number in units of its scale, or of its errors in
+    /// the motion if those are smaller.
     fn largest(&self, change: &DVector<f64>, scale: &DVector<f64>, trial: &TrialMotion) -> f64 {
-        let sizes = trial.map.sizes();
+        let sizes = trial.map.units_of_errors();
         let larger = |i: usize| {
             sizes
                 .get(i)

@@ -19,7 +19,7 @@ use super::shooting_residual::TrialMotion;
 use super::translation::Turning;
 use super::type_erased_system::GeneralForm;
 use crate::error::Error;
-use crate::motion::AttractorKind;
+use crate::motion::{AttractorKind, Mode};
 use crate::numerics::bracket::{Bracket, border};
 use crate::numerics::eigenvalues::{balance, eigenvectors};
 use crate::numerics::trace::Plane;
@@ -69,28 +69,12 @@ pub(super) struct Standing {
 impl Standing {
     /// `None` if there is no such equilibrium.
     pub(super) fn of(form: &GeneralForm<'_>) -> Option<Self> {
-        let [mut slides, mut sticks] = [false, false];
-        for contact in &form.model().contacts {
-            let moves = contact.belt_velocity.value(0.0) != 0.0;
-            slides |= moves;
-            sticks |= !moves;
-        }
-        if !sticks {
-            return Some(Self {
-                spectrum: spectrum(form).ok()?,
-                sticking: Vec::new(),
-                rests: !slides,
-                is_one_of_many: false,
-            });
-        }
-        let field = SlidingField::at(form.model(), &vec![0.0; form.len()]).ok()?;
-        if !field.is_steady() {
-            return None;
-        }
+        let field = SlidingField::standing(form.model()).ok()?;
+        let mut surfaces = form.model().contacts.iter();
         Some(Self {
             spectrum: field.eigenvalues()?.0,
             sticking: field.sticking(),
-            rests: !slides,
+            rests: surfaces.all(|contact| contact.belt_velocity.value(0.0) == 0.0),
             is_one_of_many: field.is_one_of_many(),
         })
     }
@@ -243,6 +227,13 @@ fn sign_change(
 /// steady sliding, and each displacement by at most a tenth of the largest displacement in steady
 /// sliding. If no motion is found, smaller values of ε are tried.
 ///
+/// Contacts on surfaces at rest, and joints between masses, stick in steady sliding. A rigid one
+/// then is a constraint (b·δq = 0), and an elastic one a spring of stiffness k_t. The amplitude is
+/// chosen so that their forces vary by at most 0.3 of their distance from the limits of stick.
+/// These contacts could stick elsewhere, too: the steady sliding is that of
+/// [`Structure::steady_sliding_at`](crate::Structure::steady_sliding_at) with all velocities 0, and
+/// what they alone hold has b·q = 0.
+///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
 /// ([`HopfPoint`](crate::bifurcation::HopfPoint) contains l1). If friction is constant (Coulomb's
 /// law) or linear in the sliding speed, and no contact sticks, small periodic motions exist at p0
@@ -320,13 +311,14 @@ impl Search<'_> {
 /// A motion that is born at a Hopf point, to first order.
 struct Born {
     steady: State,
+    modes: Vec<Mode>,
     /// The coordinate that turns at the start.
     turning: usize,
     /// 2 Re(q e^{iφ}) and Re(u e^{iφ}).
     way: DVector<f64>,
     normal: DVector<f64>,
-    /// The largest distance ε for an amplitude of 1 in units of the sliding velocities, and its
-    /// limit from the displacements.
+    /// The largest distance ε for an amplitude of 1 in units of the sliding velocities and of what
+    /// contacts that stick can carry, and its limit from the displacements.
     reach: f64,
     most: f64,
     frequency: f64,
@@ -334,8 +326,8 @@ struct Born {
 
 impl Born {
     fn of(form: &GeneralForm<'_>, frequency: f64) -> Result<Self, Error> {
-        let field = SlidingField::of(form.model())?;
-        let mut matrix = field.jacobian();
+        let field = SlidingField::standing(form.model())?;
+        let mut matrix = field.jacobian().ok_or(Error::NoHopfPoint)?;
         let units = balance(&mut matrix);
         let n = form.len();
         let vectors = eigenvectors(&matrix, Complex::new(0.0, frequency));
@@ -347,17 +339,24 @@ impl Born {
         let turn = Complex::cis(FRAC_PI_2 - q[n + turning].arg());
         let steady = field.state();
         let model = form.model();
-        let slides = model.contacts.iter().map(|contact| {
+        // The others stick, are open or have no friction.
+        let moves = |c: &usize| model.contacts[*c].belt_velocity.value(0.0) != 0.0;
+        let moving: Vec<usize> = (0..form.contacts()).filter(moves).collect();
+        let slides = moving.iter().map(|&c| {
+            let contact = &model.contacts[c];
             let varies = contact.direction.iter().map(|&(j, b)| q[n + j] * b);
             let velocity = contact.belt_velocity.value(0.0).abs();
             velocity / (2.0 * varies.sum::<Complex<f64>>().norm())
         });
-        // First-order states may have either sign.
-        let of_contacts = model.state_place(0);
-        let remembered = steady.memory.iter().take(of_contacts).enumerate();
-        let remembered = remembered.filter(|(_, z)| **z != 0.0);
-        let remembered = remembered.map(|(j, z)| z.abs() / (2.0 * q[2 * n + j].norm()));
-        let reach = slides.chain(remembered).fold(f64::INFINITY, f64::min);
+        let forces = field.held_forces(&q).ok_or(Error::NoHopfPoint)?;
+        let sticks = std::iter::zip(&field.held, forces);
+        let sticks = sticks.map(|(held, force)| held.margin / (2.0 * force));
+        let remembered = moving.iter().flat_map(|&c| model.memory(c));
+        let remembered = remembered.map(|j| (steady.memory[j], q[2 * n + j]));
+        let remembered = remembered.filter(|(z, _)| *z != 0.0);
+        let remembered = remembered.map(|(z, q)| z.abs() / (2.0 * q.norm()));
+        let reach = slides.chain(sticks).chain(remembered);
+        let reach = reach.fold(f64::INFINITY, f64::min);
         let displaced = steady.displacements.iter().map(|x| x.abs());
         let displaced = displaced.fold(0.0, f64::max);
         let moves = q.rows(0, n).map(|x| x.norm()).max();
@@ -368,6 +367,7 @@ impl Born {
         };
         Ok(Self {
             steady,
+            modes: field.modes(),
             turning,
             way: q.map(|x| 2.0 * (x * turn).re),
             normal: u.map(|x| (x * turn).re),
@@ -391,6 +391,7 @@ impl Born {
         let unit = DVector::from_element(order, 1.0);
         let turning = Turning::of(self.turning);
         let begin = FrozenStart {
+            modes: self.modes.clone(),
             condition: Some(PhaseCondition::of_turning(turning, 1.0, &unit, curve.n)),
             ..FrozenStart::at_zero()
         };

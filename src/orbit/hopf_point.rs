@@ -21,8 +21,10 @@ const MOST_STEPS: usize = 40;
 
 /// The eigenvalues of steady sliding.
 pub(super) fn spectrum(form: &GeneralForm<'_>) -> Result<Spectrum, Error> {
-    let matrix = SlidingField::of(form.model())?.jacobian();
-    Spectrum::of(matrix).ok_or(Error::NoHopfPoint)
+    let found = SlidingField::standing(form.model())?.eigenvalues();
+    found
+        .map(|(spectrum, _)| spectrum)
+        .ok_or(Error::NoHopfPoint)
 }
 
 /// The Hopf point near a value of the parameter, with its frequency.

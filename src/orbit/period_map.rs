@@ -154,9 +154,22 @@ impl PeriodMap {
         touches.map(|touch| touch.hold.later(by, period)).collect()
     }
 
-    /// The largest residual, each number in units of its size.
+    /// The largest residual, each number in units of its errors.
     pub(super) fn miss(&self) -> f64 {
-        self.residual().component_div(&self.sizes()).amax()
+        self.residual()
+            .component_div(&self.units_of_errors())
+            .amax()
+    }
+
+    /// The sizes of the numbers whose rounding errors each number has: its own, and where a contact
+    /// never slips those of the displacements that it follows.
+    pub(super) fn units_of_errors(&self) -> DVector<f64> {
+        let mut sizes = self.sizes();
+        for Unslipped { row, slopes, .. } in &self.unslipped {
+            let followed = slopes.iter().map(|&(j, k)| k.abs() * sizes[j]);
+            sizes[*row] = sizes[*row].max(followed.sum());
+        }
+        sizes
     }
 
     /// The error if this motion does not close.

@@ -18,7 +18,7 @@ const LEAST_MISS: f64 = 1e-13;
 pub(super) struct TrialMotion {
     pub(super) period: f64,
     pub(super) map: PeriodMap,
-    /// Largest residual, each number in units of its size.
+    /// Largest residual, each number in units of its errors.
     pub(super) residual: f64,
 }
 

@@ -2,6 +2,7 @@
 //! and third order.
 
 mod contact_modes;
+mod small_motions;
 pub(crate) mod spectrum;
 
 use nalgebra::{DMatrix, DVector};
@@ -11,7 +12,9 @@ use super::engine::element_data::{ElementData, ElementTangent};
 use super::engine::model::Model;
 use crate::force::object::Place;
 use crate::friction::memory::{Input, Motion, Sliding, Slip};
+use crate::motion::Mode;
 use crate::series::{PowerSeries, TERMS};
+use crate::state::Direction;
 use crate::state::structure::State;
 
 /// The field x' = F(x) near steady sliding, x the displacements, velocities and memory variables.
@@ -26,6 +29,8 @@ pub(crate) struct SlidingField<'m, 's> {
     pub(super) first_order: Vec<f64>,
     /// `None` for a contact that sticks.
     contacts: Vec<Option<Slides>>,
+    /// The contacts that stick.
+    pub(crate) held: Vec<Held>,
     /// The force elements at rest.
     elements: Vec<ElementTangent>,
 }
@@ -40,6 +45,16 @@ struct Slides {
     load: f64,
 }
 
+/// A contact that sticks.
+#[derive(Debug)]
+pub(crate) struct Held {
+    pub(crate) contact: usize,
+    /// The force that it carries.
+    force: f64,
+    /// The least change of this force that reaches a limit.
+    pub(crate) margin: f64,
+}
+
 impl Slides {
     fn is_open(&self) -> bool {
         self.load == 0.0
@@ -49,8 +64,7 @@ impl Slides {
 impl SlidingField<'_, '_> {
     /// The numbers of the contacts that stick.
     pub(crate) fn sticking(&self) -> Vec<usize> {
-        let numbers = 0..self.contacts.len();
-        numbers.filter(|&c| self.contacts[c].is_none()).collect()
+        self.held.iter().map(|held| held.contact).collect()
     }
 
     /// Returns true if the velocities are steady.
@@ -66,10 +80,21 @@ impl SlidingField<'_, '_> {
             .into_iter()
             .filter(|(_, slides)| slides.as_ref().is_some_and(|slides| !slides.is_open()))
             .any(|(contact, _)| contact.load_follows());
-        varies && self.contacts.iter().any(Option::is_none)
+        varies && !self.held.is_empty()
     }
 
-    /// Steady sliding as a state. Each elastic contact carries its limit force.
+    /// The modes of the contacts.
+    pub(crate) fn modes(&self) -> Vec<Mode> {
+        let mode = |slides: &Option<Slides>| match slides {
+            None => Mode::Stick,
+            Some(slides) if slides.is_open() => Mode::Open,
+            Some(slides) if slides.direction > 0.0 => Mode::Slip(Direction::Leading),
+            Some(_) => Mode::Slip(Direction::Lagging),
+        };
+        self.contacts.iter().map(mode).collect()
+    }
+
+    /// Steady sliding as a state. Each elastic contact that slides carries its limit force.
     pub(crate) fn state(&self) -> State {
         let mut memory = vec![0.0; self.model.remembered()];
         for (number, (contact, slides)) in
@@ -83,6 +108,11 @@ impl SlidingField<'_, '_> {
                 place.fill(load * sliding.coefficient);
             } else {
                 place.copy_from_slice(&sliding.memory);
+            }
+        }
+        for held in &self.held {
+            if self.model.contacts[held.contact].is_elastic() {
+                memory[self.model.memory(held.contact)].fill(held.force);
             }
         }
         memory[self.model.state_place(0)..].copy_from_slice(&self.first_order);
@@ -160,9 +190,9 @@ impl SlidingField<'_, '_> {
         places
     }
 
-    /// ∂F/∂x. A memory variable that neither changes in slip nor influences anything decays by
-    /// itself.
-    pub(crate) fn jacobian(&self) -> DMatrix<f64> {
+    /// ∂F/∂x for the perturbations that contacts which stick allow, without the forces of rigid
+    /// ones and with elastic ones as springs; 0 for memory variables without influence.
+    fn derivatives(&self) -> DMatrix<f64> {
         let (model, n) = (self.model, self.model.len());
         let mut matrix = DMatrix::zeros(self.order(), self.order());
         for i in 0..n {
@@ -212,10 +242,6 @@ impl SlidingField<'_, '_> {
                 }
             }
             add_reaction(&mut matrix, n, contact, &loads);
-            if contact.is_elastic() {
-                // The force follows the limit without delay.
-                matrix[(first, first)] = -1.0;
-            }
             for j in 0..sliding.memory.len() {
                 for &(i, b) in contact.direction.iter() {
                     let rate = slides.direction * sliding.rates_by_speed[j];
@@ -227,16 +253,12 @@ impl SlidingField<'_, '_> {
                 for l in 0..sliding.memory.len() {
                     matrix[(first + j, first + l)] += sliding.rates_by_memory[(j, l)];
                 }
-                if sliding.is_idle(j) {
-                    matrix[(first + j, first + j)] = -1.0;
-                }
             }
         }
         matrix
     }
 
-    /// Adds a contact that sticks. A rigid one adds nothing here: see
-    /// [`eigenvalues`](Self::eigenvalues).
+    /// Adds a contact that sticks.
     fn add_sticking(&self, matrix: &mut DMatrix<f64>, number: usize, loads: &Entries) {
         let (contact, n) = (&self.model.contacts[number], self.model.len());
         add_reaction(matrix, n, contact, loads);

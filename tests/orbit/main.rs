@@ -43,5 +43,6 @@ mod seam;
 mod sensitivities;
 mod standing;
 mod stops;
+mod stuck_joints;
 mod switching;
 mod translations;

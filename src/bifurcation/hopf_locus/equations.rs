@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::error::Error;
-use crate::numerics::eigenvalues::{balance, eigenvalues, is_neutral};
+use crate::numerics::eigenvalues::{balance, is_neutral};
 use crate::numerics::trace::{Equations, Point};
 use crate::orbit::FamilyOfTwo;
 use crate::structure::sliding_field::SlidingField;
@@ -29,10 +29,19 @@ pub(super) struct HopfPoints<'f> {
     pub(super) ranges: [Range<f64>; 2],
 }
 
+/// ∂F/∂x in balanced coordinates, their units, and the contacts that stick.
+pub(super) struct Balanced {
+    pub(super) matrix: DMatrix<f64>,
+    units: DVector<f64>,
+    pub(super) sticking: Vec<usize>,
+}
+
 /// The bordered system at one place, in balanced coordinates y = x/units.
 #[derive(Debug, Clone)]
 pub(super) struct Bordered {
     pub(super) displacements: Vec<f64>,
+    /// The contacts that stick: where others do, the field is another one.
+    pub(super) sticking: Vec<usize>,
     matrix: DMatrix<f64>,
     units: DVector<f64>,
     /// b and c.
@@ -59,31 +68,54 @@ const ROUNDING: f64 = 1e-12;
 const I: Complex<f64> = Complex::new(0.0, 1.0);
 
 impl HopfPoints<'_> {
-    /// A property of the field near steady sliding.
+    /// A property of the field near steady sliding; an error if there is none.
     pub(super) fn field<T>(
         &self,
         [first, second]: [f64; 2],
-        take: impl FnOnce(&SlidingField<'_, '_>) -> T,
+        take: impl FnOnce(&SlidingField<'_, '_>) -> Option<T>,
     ) -> Result<T, Error> {
         let find = || {
             let system = (self.family)(first, second)?;
             let form = system.form();
-            Ok(take(&SlidingField::of(form.model())?))
+            take(&SlidingField::standing(form.model())?).ok_or(Error::NoHopfPoint)
         };
         find().map_err(|error: Error| error.at_pair([first, second]))
     }
 
-    /// ∂F/∂x in balanced coordinates, and their units.
-    pub(super) fn balanced(
-        &self,
-        parameters: [f64; 2],
-    ) -> Result<(DMatrix<f64>, DVector<f64>), Error> {
-        let mut matrix = self.field(parameters, |field| field.jacobian())?;
+    /// The field at parameters, in units of its own.
+    pub(super) fn balanced(&self, parameters: [f64; 2]) -> Result<Balanced, Error> {
+        let take = |field: &SlidingField<'_, '_>| Some((field.jacobian()?, field.sticking()));
+        let (mut matrix, sticking) = self.field(parameters, take)?;
         if !matrix.iter().all(|entry| entry.is_finite()) {
             return Err(self.none(parameters));
         }
         let units = balance(&mut matrix);
-        Ok((matrix, units))
+        Ok(Balanced {
+            matrix,
+            units,
+            sticking,
+        })
+    }
+
+    /// ∂F/∂x in the units of a place where the same contacts stick, and the displacements.
+    fn balanced_as(
+        &self,
+        parameters: [f64; 2],
+        near: &Bordered,
+    ) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
+        let take = |field: &SlidingField<'_, '_>| {
+            let jacobian = field
+                .jacobian()
+                .filter(|_| field.sticking() == near.sticking)?;
+            Some((jacobian, field.displacements.clone()))
+        };
+        let (mut matrix, displacements) = self.field(parameters, take)?;
+        for i in 0..matrix.nrows() {
+            for j in 0..matrix.ncols() {
+                matrix[(i, j)] *= near.units[j] / near.units[i];
+            }
+        }
+        Ok((matrix, displacements))
     }
 
     fn none(&self, parameters: [f64; 2]) -> Error {
@@ -94,7 +126,11 @@ impl HopfPoints<'_> {
     pub(super) fn begun(&self, parameters: [f64; 2], frequency: f64) -> Result<Bordered, Error> {
         /// Two are enough near an eigenvalue.
         const ITERATIONS: usize = 4;
-        let (matrix, units) = self.balanced(parameters)?;
+        let Balanced {
+            matrix,
+            units,
+            sticking,
+        } = self.balanced(parameters)?;
         // Any vector will do that is not special.
         let any = |sign: f64| {
             let entry = |i: usize, _| Complex::cis(sign * (1.0 + i as f64).sqrt());
@@ -103,6 +139,7 @@ impl HopfPoints<'_> {
         let none = Vector::zeros(0);
         let mut begun = Bordered {
             displacements: Vec::new(),
+            sticking,
             borders: [any(1.0), any(-1.0)],
             vectors: [none.clone(), none],
             scalar: Complex::new(f64::NAN, 0.0),
@@ -133,11 +170,7 @@ impl HopfPoints<'_> {
         let beside = |change: f64| {
             let mut parameters = [y[0], y[1]];
             parameters[which] = (value + change).clamp(start.min(value), end.max(value));
-            let jacobian = self.field(parameters, |field| field.jacobian()).ok()?;
-            let units = &here.units;
-            let balanced = DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| {
-                jacobian[(i, j)] * (units[j] / units[i])
-            });
+            let (balanced, _) = self.balanced_as(parameters, here).ok()?;
             Some((parameters[which], balanced))
         };
         let step = (PART * width.max(value.abs())).min(MOST * width);
@@ -179,7 +212,8 @@ impl Bordered {
     /// The first Lyapunov coefficient of the solution, and the size of its rounding.
     ///
     /// The vectors are scaled to |q| = 1 in the units of the system, and p·q = 1.
-    fn first_lyapunov(&self, field: &SlidingField<'_, '_>, frequency: f64) -> [f64; 2] {
+    fn first_lyapunov(&self, field: &SlidingField<'_, '_>, frequency: f64) -> Option<[f64; 2]> {
+        let projection = field.projection()?;
         let [u, w] = &self.vectors;
         let length = w.map_with_location(|i, _, x| x * self.units[i]).norm();
         let q = w / Complex::from(length);
@@ -188,7 +222,8 @@ impl Bordered {
         // B(x, x) and C(x, x, x) for real x.
         let forms = |x: &DVector<f64>| {
             let [second, third] = field.terms(&x.component_mul(&self.units));
-            [second * 2.0, third * 6.0].map(|form| form.component_div(&self.units))
+            let forms = [second * 2.0, third * 6.0];
+            forms.map(|form| (&projection * form).component_div(&self.units))
         };
         let [[aa, aaa], [bb, bbb]] = [forms(&a), forms(&b)];
         let [plus, minus] = [forms(&(&a + &b)), forms(&(&a - &b))];
@@ -215,7 +250,7 @@ impl Bordered {
             - &matrix;
         let solved = (matrix.lu().solve(&mean), twice.lu().solve(&double));
         let (Some(mean), Some(double)) = solved else {
-            return [f64::NAN; 2];
+            return Some([f64::NAN; 2]);
         };
         let parts = [
             p.dotc(&cubic),
@@ -226,7 +261,7 @@ impl Bordered {
             parts.iter().map(|part| part.re).sum::<f64>(),
             parts.iter().map(|part| part.norm()).sum(),
         ];
-        [value, 64.0 * f64::EPSILON * size].map(|x| x / (2.0 * frequency))
+        Some([value, 64.0 * f64::EPSILON * size].map(|x| x / (2.0 * frequency)))
     }
 
     /// The product of the real parts of the other eigenvalues; 0 if one of them is rounding.
@@ -259,13 +294,9 @@ impl Equations for HopfPoints<'_> {
 
     fn value(&self, y: &mut DVector<f64>, near: &Bordered) -> Result<Bordered, Error> {
         let parameters = [y[0], y[1]];
-        let take = |field: &SlidingField<'_, '_>| (field.jacobian(), field.displacements.clone());
-        let (jacobian, displacements) = self.field(parameters, take)?;
-        let units = &near.units;
+        let (matrix, displacements) = self.balanced_as(parameters, near)?;
         let mut value = Bordered {
-            matrix: DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| {
-                jacobian[(i, j)] * (units[j] / units[i])
-            }),
+            matrix,
             displacements,
             ..near.clone()
         };
@@ -313,14 +344,11 @@ impl Equations for HopfPoints<'_> {
         if frequency <= 0.0 || frequency.is_nan() {
             return Err(self.none(parameters));
         }
-        let (lyapunov, places) = self.field(parameters, |field| {
-            let places = (0..2 * field.displacements.len()).chain(field.acting());
-            let lyapunov = value.first_lyapunov(field, frequency);
-            (lyapunov, places.collect::<Vec<usize>>())
+        let (lyapunov, spectrum) = self.field(parameters, |field| {
+            let lyapunov = value.first_lyapunov(field, frequency)?;
+            Some((lyapunov, field.eigenvalues()?.0))
         })?;
-        let acting = value.matrix.select_rows(&places).select_columns(&places);
-        let values = eigenvalues(acting);
-        let mut others = values.ok_or_else(|| self.none(parameters))?;
+        let mut others = spectrum.values;
         others.retain(|value| value.im >= 0.0);
         let own = |value: &Complex<f64>| (value - I * frequency).norm();
         let nearest = others.iter().enumerate();
@@ -328,7 +356,7 @@ impl Equations for HopfPoints<'_> {
         if let Some((place, _)) = nearest {
             others.swap_remove(place);
         }
-        let (_, units) = self.balanced(parameters)?;
+        let Balanced { units, .. } = self.balanced(parameters)?;
         let ratio = value.units.component_div(&units).map(Complex::from);
         let [u, w] = &value.vectors;
         value.borders = [

@@ -7,7 +7,7 @@ use std::ops::Range;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use self::equations::{Bordered, HopfPoints};
+use self::equations::{Balanced, Bordered, HopfPoints};
 use crate::belt::Criticality;
 use crate::error::Error;
 use crate::numerics::eigenvalues::{eigenvalues, growing};
@@ -112,9 +112,11 @@ const SAME: f64 = 1e-7;
 /// (A − iω) w = 0,    A = ∂F/∂x at steady sliding,
 /// ```
 ///
-/// where x' = F(x) are the equations of motion in slip, x is the state, and w an eigenvector. The
-/// error of the parameters and of ω is the rounding error of A, divided by the rate at which the
-/// eigenvalue crosses the axis.
+/// where x' = F(x) are the equations of motion in slip, x is the state, and w an eigenvector.
+/// Contacts on surfaces at rest, and joints between masses, stick in steady sliding; w then is a
+/// motion that they allow, as for [`begin`](crate::orbit::begin). The curve ends where other
+/// contacts stick. The error of the parameters and of ω is the rounding error of A, divided by the
+/// rate at which the eigenvalue crosses the axis.
 ///
 /// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It is
 /// computed from the second and third derivatives of friction with respect to velocities, loads and
@@ -191,8 +193,8 @@ struct GridSearch<'f> {
     curves: Vec<Curve>,
 }
 
-/// A node of the grid: the number of unstable eigenvalues.
-type Node = Result<usize, Error>;
+/// A node of the grid: the number of unstable eigenvalues, and the contacts that stick.
+type Node = Result<(usize, Vec<usize>), Error>;
 
 impl GridSearch<'_> {
     fn run(&mut self) -> Result<(), Error> {
@@ -213,9 +215,10 @@ impl GridSearch<'_> {
             let above = (k / count < INTERVALS).then_some((1, k + count));
             for (which, next) in [right, above].into_iter().flatten() {
                 if let (Ok(a), Ok(b)) = (&nodes[k], &nodes[next])
-                    && a != b
+                    && a.0 != b.0
+                    && a.1 == b.1
                 {
-                    self.cross(which, [places[k], places[next]], *a);
+                    self.cross(which, [places[k], places[next]], a);
                 }
             }
         }
@@ -223,21 +226,30 @@ impl GridSearch<'_> {
     }
 
     fn unstable(&self, place: [f64; 2]) -> Node {
-        let (matrix, _) = self.points.balanced(place)?;
+        let Balanced {
+            matrix, sticking, ..
+        } = self.points.balanced(place)?;
         let values = eigenvalues(matrix.clone()).ok_or(Error::NoHopfPoint)?;
-        Ok(growing(&matrix, &values, ROUNDING))
+        Ok((growing(&matrix, &values, ROUNDING), sticking))
     }
 
     /// Finds the curve that crosses an edge of the grid, unless it is known.
-    fn cross(&mut self, which: usize, [mut low, mut high]: [[f64; 2]; 2], count: usize) {
+    fn cross(
+        &mut self,
+        which: usize,
+        [mut low, mut high]: [[f64; 2]; 2],
+        (count, sticking): &(usize, Vec<usize>),
+    ) {
         for _ in 0..HALVINGS {
             let mut middle = low;
             middle[which] = 0.5 * (low[which] + high[which]);
             match self.unstable(middle) {
-                Ok(now) if now == count => low = middle,
-                Ok(_) => high = middle,
-                // No steady sliding in between.
-                Err(_) => return,
+                Ok((now, held)) if held == *sticking => match now == *count {
+                    true => low = middle,
+                    false => high = middle,
+                },
+                // No steady sliding in between, or other contacts stick.
+                _ => return,
             }
         }
         let Some(first) = self.begin(which, low) else {
@@ -251,7 +263,7 @@ impl GridSearch<'_> {
 
     /// The Hopf point on an edge.
     fn begin(&self, which: usize, place: [f64; 2]) -> Option<Solved> {
-        let (matrix, _) = self.points.balanced(place).ok()?;
+        let Balanced { matrix, .. } = self.points.balanced(place).ok()?;
         let values = eigenvalues(matrix)?;
         let oscillating = values.iter().filter(|value| value.im > 0.0);
         let off = |value: &Complex<f64>| (value.re / value.im).abs();

@@ -7,9 +7,11 @@ use super::super::engine::first_order;
 use super::super::engine::limits::limit_force;
 use super::super::engine::model::Model;
 use super::super::equilibrium_newton::{Equilibrium, ROUNDING};
-use super::{Slides, SlidingField, add_rows};
+use super::super::freedom::{direction_row, elastic_rows, null_space};
+use super::{Held, Slides, SlidingField, add_rows};
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::{Sliding, Slip};
+use crate::numerics::least_norm::least_norm;
 use crate::state::Direction;
 
 /// Why there is no steady sliding in which given contacts are open.
@@ -42,6 +44,28 @@ impl<'m, 's> SlidingField<'m, 's> {
     pub(crate) fn at(model: &'m Model<'s>, velocities: &[f64]) -> Result<Self, Error> {
         let start = vec![0.0; model.len()];
         Self::find(model, Some(velocities), &start).map_err(Error::NoSteadySliding)
+    }
+
+    /// The field near the equilibrium with all masses at rest: contacts whose surfaces move slide,
+    /// and the others stick. What they alone hold has b·q = 0 of them.
+    pub(crate) fn standing(model: &'m Model<'s>) -> Result<Self, Error> {
+        let mut field = Self::at(model, &vec![0.0; model.len()])?;
+        if !field.is_steady() {
+            return Err(Error::NoSteadySliding(NotSliding::Singular));
+        }
+        let along = field.held.iter().map(|held| held.contact);
+        let along: Vec<_> = along.map(|c| direction_row(model, c).transpose()).collect();
+        let motions = null_space(model, &elastic_rows(model));
+        if !along.is_empty() && !motions.is_empty() {
+            let (along, motions) = (DMatrix::from_rows(&along), DMatrix::from_columns(&motions));
+            let moved = &along * DVector::from_column_slice(&field.displacements);
+            let back = least_norm(along * &motions, &moved, ROUNDING);
+            let back = back.ok_or(Error::NoSteadySliding(NotSliding::Overflow))?;
+            let back = motions * back;
+            let places = std::iter::zip(&mut field.displacements, &back);
+            places.for_each(|(x, back)| *x -= back);
+        }
+        Ok(field)
     }
 
     /// Steady sliding with the contacts open whose loads are negative there.
@@ -237,27 +261,33 @@ impl<'m, 's> SlidingField<'m, 's> {
             }))
         });
         let contacts = slides.collect::<Result<_, NotFound>>()?;
-        for (&number, force) in std::iter::zip(&sticking, &balance.forces) {
+        let held = std::iter::zip(&sticking, &balance.forces).map(|(&number, &force)| {
             let contact = &model.contacts[number];
             let load = model.load_at(number, 0.0, |j| balance.positions[j], |_| 0.0);
             let limits = contact.law.limits(&|_| 0.0).unwrap_or([0.0; 2]);
-            let limit = limit_force(load, limits[usize::from(*force > 0.0)]);
-            let force = force.abs();
-            if force > limit * (1.0 + ROUNDING) {
+            let limits = limits.map(|limit| limit_force(load, limit));
+            let (size, limit) = (force.abs(), limits[usize::from(force > 0.0)]);
+            if size > limit * (1.0 + ROUNDING) {
                 return Err(NotSliding::OverLimit {
                     contact: number,
-                    force,
+                    force: size,
                     limit,
-                }
-                .into());
+                });
             }
-        }
+            Ok(Held {
+                contact: number,
+                force,
+                margin: (limits[0] + force).min(limits[1] - force),
+            })
+        });
+        let held = held.collect::<Result<_, NotSliding>>()?;
         Ok(Self {
             model,
             displacements: balance.positions.as_slice()[..n].to_vec(),
             first_order: balance.positions.as_slice()[n..].to_vec(),
             accelerations: balance.accelerations.as_slice().to_vec(),
             contacts,
+            held,
             elements,
         })
     }
