@@ -42,6 +42,7 @@ mod retracing;
 mod seam;
 mod sensitivities;
 mod standing;
+mod start_of_period;
 mod stops;
 mod stuck_joints;
 mod switching;

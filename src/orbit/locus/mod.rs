@@ -265,7 +265,9 @@ impl Search<'_> {
                 let events = at.orbit.events().iter();
                 let events: Vec<_> = events.map(|e| (e.time, e.element, e.kind)).collect();
                 let y = motions.at(&start, period, [at.parameter, second]);
-                let change = changing(&motions, &y, at.kind, &events)?;
+                let begun = away(&motions, y)?;
+                let change = changing(&motions, &begun, at.kind, &events)?;
+                let (y, begin) = begun;
                 let curve = EventCurve {
                     motions,
                     kind: change.kind,
@@ -275,7 +277,7 @@ impl Search<'_> {
                 let begin = FrozenStart {
                     holds: change.holds,
                     marks: change.marks,
-                    ..FrozenStart::at_zero()
+                    ..begin
                 };
                 let (y, near) = curve.begin(&y, &begin)?;
                 return found(family, at.orbit.kind(), change.kind, &curve, (&y, &near));
@@ -299,10 +301,21 @@ impl Search<'_> {
     }
 }
 
-/// The change of events at a motion, with its own events: time, element and kind.
+/// The start of a motion, away from its events if it is one of time 0 of the drives. That of an
+/// autonomous motion is so already.
+fn away(motions: &Motions<'_>, y: DVector<f64>) -> Result<(DVector<f64>, FrozenStart), Error> {
+    let begin = FrozenStart::at_zero();
+    if motions.is_free() {
+        return Ok((y, begin));
+    }
+    let trial = motions.trial(&y, &begin)?;
+    motions.begun(&y, &trial, &begin)
+}
+
+/// The change of events at a motion, with its own events since time 0: time, element and kind.
 fn changing(
     motions: &Motions<'_>,
-    y: &DVector<f64>,
+    (y, begin): &(DVector<f64>, FrozenStart),
     kind: BifurcationKind,
     events: &[(f64, Element, EventKind)],
 ) -> Result<Change, Error> {
@@ -318,13 +331,14 @@ fn changing(
             })
         })
     };
-    let trial = motions.trial(y, &FrozenStart::at_zero())?;
+    let trial = motions.trial(y, begin)?;
+    let since = begin.phase * trial.period;
     if kind == BifurcationKind::Grazing {
         // At the end of a branch the motion is caught where rounding may let it pass.
         for hold in motions.with(parameters, |form| Ok(arrivals(form, &trial, events)))? {
             let begin = FrozenStart {
-                holds: vec![hold],
-                ..FrozenStart::at_zero()
+                holds: vec![hold.later(since, trial.period)],
+                ..begin.clone()
             };
             let caught = motions.trial(y, &begin)?;
             let Some(Touch { hold, speed, .. }) = caught.map.touches.first().copied() else {
