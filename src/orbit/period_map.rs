@@ -8,13 +8,14 @@ use num_complex::Complex;
 
 use super::course::{Course, since_zero};
 use super::multipliers::multipliers;
-use super::prescribed_modes::{Hold, Touch};
+use super::prescribed_modes::{Hold, Touch, minima_in_slip, speeds};
 use super::translation::{Translation, Turning};
 use super::type_erased_system::GeneralForm;
 use super::unslipped::Unslipped;
 use crate::error::Error;
 use crate::motion::{Event, Mode, Segment};
 use crate::numerics::least_norm::directions;
+use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::Step;
 
@@ -57,6 +58,8 @@ pub struct PeriodMap {
     unslipped: Vec<Unslipped>,
     /// Contacts that slip by rounding only, if the motion is closed.
     slip_by_rounding: Vec<usize>,
+    /// Contacts whose sliding speeds may touch 0.
+    touching: Vec<usize>,
     /// The touches past which contacts are held, and how they were looked for.
     pub(super) touches: Vec<Touch>,
     holds: Vec<Hold>,
@@ -137,13 +140,26 @@ impl PeriodMap {
         self.steps.first().map_or(0.0, Segment::start_time)
     }
 
-    /// The times of events and touches, in order.
+    /// The times, in order, at which events happen or may begin to happen along a curve: those of
+    /// events, of touches, and of minima of sliding speeds near 0.
     pub(super) fn times(&self) -> Vec<f64> {
+        /// A minimum up to this part of the largest sliding speed is near 0.
+        const NEAR: f64 = 0.1;
         let events = self.steps.iter().flat_map(Segment::events);
         let begins = self.begins();
         let touches = self.touches.iter();
         let touches = touches.map(|touch| begins + touch.hold.since);
         let mut times: Vec<f64> = events.map(|event| event.time).chain(touches).collect();
+        for &contact in &self.touching {
+            let starts = self.steps.iter();
+            let starts = starts.map(|step| speeds(step, contact, Direction::Leading)[0].abs());
+            let largest = starts.fold(0.0, f64::max);
+            minima_in_slip(&self.steps, contact, &mut |step, t, _, speeds| {
+                if speeds.at(t).abs() <= NEAR * largest {
+                    times.push(step.start_time() + t);
+                }
+            });
+        }
         times.sort_by(f64::total_cmp);
         times
     }
@@ -683,7 +699,7 @@ pub(super) fn released(form: &GeneralForm<'_>, map: &PeriodMap) -> Option<State>
     (start.memory != map.start.memory).then_some(start)
 }
 
-/// The middle of the longest time without an event or a touch between two times.
+/// The middle of the longest time between two times in which nothing happens, nor may begin to.
 pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
     let mut last = from;
     let times = map.times().into_iter().chain([to]);

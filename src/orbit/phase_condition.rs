@@ -302,6 +302,7 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
     let mut sharpest: Option<TurningPoint> = None;
     let (speeds, extents) = (map.sizes(), map.extents());
     let turnings: Vec<Turning> = (0..n).map(|i| map.turning(i)).collect();
+    let events = map.times();
     for step in &map.steps {
         for (coordinate, turning) in turnings.iter().enumerate() {
             let Some(velocity) = turning.series(step) else {
@@ -314,7 +315,7 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
                 let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.sharpness);
                 let time = step.start_time() + t;
                 let is_sharp = acceleration.abs() * period >= SHARP * extents[n + coordinate];
-                if sharpness > most && is_sharp && !near_events(map, time, period, FAR) {
+                if sharpness > most && is_sharp && !near_events(&events, time, period, FAR) {
                     sharpest = Some(TurningPoint {
                         sharpness,
                         sign: acceleration.signum(),
@@ -330,13 +331,14 @@ fn sharpest(map: &PeriodMap, period: f64) -> Option<TurningPoint> {
 
 /// Returns true if an event is near the start of a closed motion; one exactly there may be missing.
 fn begins_near_event(map: &PeriodMap, period: f64, part: f64) -> bool {
-    near_events(map, map.begins(), period, part) || map.first_modes() != Some(map.end_modes())
+    near_events(&map.times(), map.begins(), period, part)
+        || map.first_modes() != Some(map.end_modes())
 }
 
-/// Returns true if an event or a touch lies within a part of the period from a time of a closed
-/// motion.
-fn near_events(map: &PeriodMap, time: f64, period: f64, part: f64) -> bool {
-    map.times().into_iter().any(|event| {
+/// Returns true if one of these [times](PeriodMap::times) lies within a part of the period from a
+/// time of a closed motion.
+fn near_events(events: &[f64], time: f64, period: f64, part: f64) -> bool {
+    events.iter().any(|event| {
         let since = (event - time).rem_euclid(period);
         since < part * period || since > (1.0 - part) * period
     })

@@ -83,6 +83,47 @@ pub(super) fn speeds(step: &Step, contact: usize, side: Direction) -> PowerSerie
     relative.map_or(PowerSeries::ZERO, |relative| relative.scaled(side.sign()))
 }
 
+/// Calls a function with each minimum of the sliding speed of a contact within slip: the step, the
+/// time since its start, the direction of slip and the speed along the step. The steps are those of
+/// a closed motion, of which the end and the start are one.
+pub(super) fn minima_in_slip(
+    steps: &[Step],
+    contact: usize,
+    take: &mut dyn FnMut(&Step, f64, Direction, &PowerSeries),
+) {
+    /// After a release the speed rises from 0, with a slope of 0 to rounding: for this part of the
+    /// period such a rise is no minimum.
+    const ROUNDING: f64 = 1e-9;
+    let period: f64 = steps.iter().map(Segment::duration).sum();
+    let slip = |step: &Step| match step.modes()[contact] {
+        Mode::Slip(side) => Some((side, speeds(step, contact, side))),
+        _ => None,
+    };
+    let falling = |step: &Step| {
+        let (side, speeds) = slip(step)?;
+        Some((side, speeds.slope_at(step.duration()) < 0.0))
+    };
+    let lasting = |step: &&Step| step.duration() > 0.0 && !step.series().is_empty();
+    // The direction before a step, and whether the speed falls there.
+    let mut before = steps.iter().rfind(lasting).and_then(falling);
+    for step in steps.iter().filter(|step| !step.series().is_empty()) {
+        let Some((side, speeds)) = slip(step).filter(|_| step.duration() > 0.0) else {
+            before = None;
+            continue;
+        };
+        if before == Some((side, true)) && speeds[1] >= 0.0 {
+            take(step, 0.0, side, &speeds);
+        }
+        let slope = speeds.derivative();
+        slope.sign_changes(step.duration(), &mut |t, rises| {
+            if rises && (before.is_some() || t > ROUNDING * period) {
+                take(step, t, side, &speeds);
+            }
+        });
+        before = falling(step);
+    }
+}
+
 /// The static coefficient of a contact against slip to a side, if it equals the kinetic one at
 /// speed 0.
 fn common_limit(

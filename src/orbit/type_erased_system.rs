@@ -190,6 +190,12 @@ impl<'s> GeneralForm<'s> {
         !self.model.contacts[contact].is_elastic()
     }
 
+    /// Returns true if the sliding speed of a contact may touch 0: that of an elastic one has no
+    /// event there, and one that creeps passes through 0 smoothly.
+    pub(super) fn may_touch(&self, contact: usize) -> bool {
+        self.holds(contact) && !self.model.creeping.contains(&contact)
+    }
+
     /// Adjusts a state at a time to the modes of its contacts, if they are given. Contacts that
     /// stick get the relative velocity 0. Elastic contacts get their limit force in slip, the force
     /// 0 if they are open, and at most their limit force in stick.

@@ -1,9 +1,12 @@
 //! Changes of events at the start of the period of the drives: they are those of the same system
 //! with a later start.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
-use stick_slip::orbit::{self, Bifurcation, BifurcationKind, Period, follow, settle};
+use stick_slip::orbit::{
+    self, Bifurcation, BifurcationKind, Branch, BranchEnd, LocusEnd, LocusKind, Period, follow,
+    settle,
+};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
 
@@ -12,6 +15,106 @@ use crate::common::some;
 /// Distances of the change from the start, in periods: exactly there, within rounding on either
 /// side, near, and far away.
 const DISTANCES: [f64; 9] = [0.0, 1e-11, -1e-11, 1e-9, -1e-9, 1e-8, -1e-8, 1e-3, 0.3];
+
+const BELT: f64 = 0.35;
+
+/// A mass on a belt under a force, over its amplitude and the damping. The sliding speed of its
+/// pure slip has a minimum at a part of the period, at one damping.
+struct Touch {
+    frequency: f64,
+    damping: f64,
+    /// Static and kinetic coefficients.
+    limits: [f64; 2],
+    part: f64,
+}
+
+impl Touch {
+    fn at(&self, force: f64, damping: f64) -> Result<Structure, Error> {
+        let behind = f64::atan2(self.damping * self.frequency, 1.0 - self.frequency.powi(2));
+        let phase = behind - FRAC_PI_2 - self.part * TAU;
+        let [limit, kinetic] = self.limits;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, damping)?
+            .with_force(0, Drive::harmonic(force, self.frequency, phase)?)?
+            .with_contact(Contact::new(0, Coulomb::new(limit, kinetic)?, 1.0)?.on_belt(BELT))
+    }
+
+    /// The force at which the speed of the mass reaches that of the belt.
+    fn known(&self, damping: f64) -> f64 {
+        let detuning = 1.0 - self.frequency.powi(2);
+        BELT * detuning.hypot(damping * self.frequency) / self.frequency
+    }
+
+    fn branch(&self) -> Branch<State> {
+        let family = |force: f64| self.at(force, self.damping);
+        let known = self.known(self.damping);
+        let first = family(0.8 * known).unwrap();
+        let motion = settle(&first, &State::at_rest(1), 900.0, Period::Driven(1)).unwrap();
+        follow(family, 0.8 * known, &motion, 0.7 * known..1.2 * known).unwrap()
+    }
+}
+
+#[test]
+fn a_touch_may_be_there() {
+    for (frequency, damping) in [(0.6, 0.06), (1.3, 0.1), (2.2, 0.1)] {
+        for part in DISTANCES {
+            let touch = Touch {
+                frequency,
+                damping,
+                limits: [0.4, 0.4],
+                part,
+            };
+            let branch = touch.branch();
+            let [found] = &branch.bifurcations[..] else {
+                panic!("{frequency}, {part:e}: {:?}", branch.bifurcations.len());
+            };
+            assert_eq!(
+                found.kind,
+                BifurcationKind::Grazing,
+                "{frequency}, {part:e}"
+            );
+            let known = touch.known(damping);
+            let error = found.parameter / known - 1.0;
+            assert!(error.abs() < 1e-11, "{frequency}, {part:e}: {error:e}");
+            let ranges = [0.7 * known..1.3 * known, 0.5 * damping..1.5 * damping];
+            let family = |force: f64, damping: f64| touch.at(force, damping);
+            let locus = orbit::locus(family, found, damping, ranges).unwrap();
+            assert_eq!(locus.kind, LocusKind::Grazing { contact: 0 });
+            assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+            for point in &locus.points {
+                let [force, damping] = point.parameters;
+                let error = force - touch.known(damping);
+                assert!(error.abs() < 1e-13, "{frequency}, {part:e}: {error:e}");
+            }
+        }
+    }
+}
+
+/// With a larger static friction the motion jumps at the touch.
+#[test]
+fn a_jump_may_be_there() {
+    for (frequency, damping) in [(0.6, 0.06), (1.3, 0.1), (2.2, 0.1)] {
+        for part in DISTANCES {
+            let touch = Touch {
+                frequency,
+                damping,
+                limits: [0.5, 0.3],
+                part,
+            };
+            let branch = touch.branch();
+            let BranchEnd::Discontinuity {
+                parameter, contact, ..
+            } = branch.ends[1]
+            else {
+                panic!("{frequency}, {part:e}: {:?}", branch.ends[1]);
+            };
+            let error = parameter / touch.known(damping) - 1.0;
+            assert!(error.abs() < 1e-11, "{frequency}, {part:e}: {error:e}");
+            assert_eq!(contact, 0);
+        }
+    }
+}
 
 /// The changes of one kind of a branch over the first parameter, and the curve from each, up to
 /// some of its points.

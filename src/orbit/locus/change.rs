@@ -3,7 +3,7 @@
 
 use super::super::period_map::PeriodMap;
 use super::super::phase_condition::FrozenStart;
-use super::super::prescribed_modes::{Hold, Then, minimum_behind, speeds};
+use super::super::prescribed_modes::{Hold, Then, minima_in_slip, minimum_behind, speeds};
 use super::super::shooting_residual::TrialMotion;
 use super::super::type_erased_system::GeneralForm;
 use super::super::variational_equations::load_at_end;
@@ -12,6 +12,7 @@ use super::found::LocusKind;
 use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::numerics::sort::sort_by;
+use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::Step;
@@ -191,48 +192,32 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let sizes = map.sizes();
     let mut minima = Vec::new();
-    let touches = |c: &usize| form.holds(*c) && !form.model.creeping.contains(c);
-    for contact in (0..form.contacts()).filter(touches) {
+    for contact in (0..form.contacts()).filter(|&c| form.may_touch(c)) {
         let size = form.model.contacts[contact].size_along(|j| sizes[form.len() + j]);
-        let mut falling: Option<Direction> = None;
-        let mut slips = false;
+        let mut note = |step: &Step, t: f64, side: Direction, speeds: &PowerSeries, rests: f64| {
+            minima.push(Minimum {
+                contact,
+                side,
+                since: step.start_time() + t - begins,
+                speed: speeds.at(t) / size,
+                rests,
+            });
+        };
+        minima_in_slip(&map.steps, contact, &mut |step, t, side, speeds| {
+            note(step, t, side, speeds, 0.0);
+        });
         for step in map.steps.iter().filter(|step| !step.series().is_empty()) {
             let (Mode::Slip(side), true) = (step.modes()[contact], step.duration() > 0.0) else {
-                (falling, slips) = (None, false);
                 continue;
             };
             let speeds = speeds(step, contact, side);
-            let mut note = |t: f64, rests: f64| {
-                minima.push(Minimum {
-                    contact,
-                    side,
-                    since: step.start_time() + t - begins,
-                    speed: speeds.at(t) / size,
-                    rests,
-                });
-            };
-            if falling == Some(side) && speeds[1] >= 0.0 {
-                note(0.0, 0.0);
-            }
-            let slope = speeds.derivative();
-            slope.sign_changes(step.duration(), &mut |t, rises| {
-                // After a release the speed rises from 0, with a slope of 0 to rounding.
-                if rises && (slips || t > ROUNDING * period) {
-                    note(t, 0.0);
-                }
-            });
-            slips = true;
-            falling = (slope.at(step.duration()) < 0.0).then_some(side);
-            let mut own = step
-                .events()
-                .iter()
-                .filter(|event| event.contact() == Some(contact));
-            if let Some(event) = own.next()
-                && falling.is_some()
+            let mut events = step.events().iter();
+            if let Some(event) = events.find(|event| event.contact() == Some(contact))
+                && speeds.slope_at(step.duration()) < 0.0
                 && let Some(t) = minimum_behind(&speeds, step.duration())
                 && t - step.duration() <= WITHIN * period
             {
-                note(t, rest_of(map, event, period));
+                note(step, t, side, &speeds, rest_of(map, event, period));
             }
         }
     }

@@ -147,6 +147,9 @@ pub(in crate::orbit) fn held_period_map(
         translation,
         slip_by_rounding,
         boosts: form.freedom().velocities.clone(),
+        touching: (0..form.contacts())
+            .filter(|&c| form.may_touch(c))
+            .collect(),
         unslipped,
         touches: flow.touches().to_vec(),
         holds: holds.to_vec(),
