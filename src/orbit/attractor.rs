@@ -79,8 +79,12 @@ impl<S: SystemState> Attractor<S> {
 /// velocity of a mass or a belt so far. If masses can be displaced together without changing any
 /// force (see [translations](super#motions-that-are-translated)), velocities may have any size, but
 /// none may vary by more than 10⁻⁶ of the largest. If drives vary, no event may happen over a
-/// period and at least 256 steps, and all velocities must be rounding errors. A start exactly on an
-/// unstable equilibrium, or on an unstable periodic motion, stays there: perturb the start.
+/// period and at least 256 steps, and all velocities must be rounding errors. (Drives may also move
+/// masses by shorter and shorter slips, which never cease: shakedown. These masses count as at rest
+/// where [`shoot`] finds them at rest, if the distance of the motion from there falls in each
+/// period, and by a quarter or more in each doubling of the time.) A contact slides steadily if it
+/// slips all the time. A start exactly on an unstable equilibrium, or on an unstable periodic
+/// motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations), and 8·10⁵ steps of
 /// searches by [`shoot`]; a motion that needs more counts as irregular. If the transient is longer,
@@ -184,6 +188,15 @@ const CLOSED: f64 = 1e-9;
 /// Largest difference of two motions that are one, in parts of their extent.
 const SAME: f64 = 1e-6;
 
+/// Drives move a mass towards its rest by ever shorter slips, which never cease, if its distance
+/// falls to this part or less each time the motion takes twice as long. It falls to
+/// 2^(−1/(p − 1)) if the slip in a period is proportional to the power p of the distance: to a half
+/// where the drive has a smooth maximum (p = 2), to 0.71 where it has a corner (p = 3).
+const DECAYS: f64 = 0.75;
+
+/// Number of tests in succession in which this is seen.
+const SHORTER: usize = 3;
+
 /// Velocities of coordinates that stand still, in parts of what forces and displacements could
 /// give them in a period.
 const STILL: f64 = 1e-12;
@@ -205,6 +218,7 @@ pub(super) fn settled<S: Oscillator>(
     let mut largest_states = vec![0.0; form.model.first_order.len()];
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
+    let mut tested = Vec::new();
     let mut end = 0.0;
     for look in 0..looks(form.most()) {
         let begin = end;
@@ -216,7 +230,8 @@ pub(super) fn settled<S: Oscillator>(
             };
             form.count(&|| Reached::new(step.start_time(), step.state().clone()))?;
             if step.duration().is_infinite() {
-                return Ok((at_rest(step.modes()), form.put_back(step.state(), start)));
+                let kind = at_rest(&slipping(step.modes()));
+                return Ok((kind, form.put_back(step.state(), start)));
             }
             end = step.end_time();
             seen.add((form, start), &step, period, &mut number);
@@ -225,6 +240,7 @@ pub(super) fn settled<S: Oscillator>(
         if let Some((_, state)) = seen.latest(period) {
             last = state.clone();
         }
+        tested.push(last.clone());
         let slow = match period {
             None => AT_REST * fastest,
             Some(period) => still(form, seen.displacement(), period),
@@ -233,7 +249,7 @@ pub(super) fn settled<S: Oscillator>(
         let rests = states_rest && seen.velocities().all(|range| speed(form, range) <= slow);
         let is_long_enough = period.is_none() || seen.strobes.len() > 1;
         if rests && seen.events.is_empty() && is_long_enough {
-            return Ok((at_rest(&seen.modes), last));
+            return Ok((at_rest(&seen.slides), last));
         }
         let (kept, kind) = match period {
             Some(_) => (Some(&seen.strobes), None),
@@ -251,7 +267,8 @@ pub(super) fn settled<S: Oscillator>(
                 Ok::<_, Error>(over_own_period(form, found, period))
             });
             if let Ok((found, period)) = found
-                && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
+                && let Some(orbit) =
+                    accepted(system, form, found, period, (&seen, guess, missed, &tested))?
             {
                 let state = orbit.state().general();
                 return Ok((named(form, orbit), state));
@@ -347,17 +364,32 @@ pub(super) fn fastest_surface(form: &GeneralForm<'_>) -> f64 {
     surfaces.fold(0.0, f64::max)
 }
 
-/// The equilibrium with these modes.
-fn at_rest<S: SystemState>(modes: &[Mode]) -> Attractor<S> {
-    if slides(modes) {
+/// The equilibrium in which these contacts slide.
+fn at_rest<S: SystemState>(slides: &[bool]) -> Attractor<S> {
+    if slides.contains(&true) {
         Attractor::SteadySliding
     } else {
         Attractor::Rest
     }
 }
 
-fn slides(modes: &[Mode]) -> bool {
-    modes.iter().any(|mode| matches!(mode, Mode::Slip(_)))
+/// The contacts that slip in a step.
+fn slipping(modes: &[Mode]) -> Vec<bool> {
+    let slips = modes.iter().map(|mode| matches!(mode, Mode::Slip(_)));
+    slips.collect()
+}
+
+/// Leaves the contacts that also slip in another step: a contact slides steadily if it never
+/// sticks. At rest it may slip for an instant, by a distance that is rounding, while a drive brings
+/// its force to the limit.
+fn retain_slipping(slides: &mut Vec<bool>, modes: &[Mode]) {
+    let slips = slipping(modes);
+    if slides.is_empty() {
+        *slides = slips;
+    } else {
+        let pairs = std::iter::zip(slides, slips);
+        pairs.for_each(|(slides, slips)| *slides &= slips);
+    }
 }
 
 /// A periodic motion as an attractor.
@@ -375,11 +407,12 @@ pub(super) fn kind_of<S: SystemState>(form: &GeneralForm<'_>, orbit: &Orbit<S>) 
     if stands(form, orbit) {
         let start = orbit.state().general();
         let flow = Flow::new(Integrator::new(), form.model.clone(), &start);
-        let mut steps = flow.into_iter().flatten().map_while(Result::ok);
-        return match steps.find(|step| step.duration() > 0.0) {
-            Some(step) if slides(step.modes()) => AttractorKind::SteadySliding,
-            _ => AttractorKind::Rest,
-        };
+        let steps = flow.into_iter().flatten().map_while(Result::ok);
+        let steps = steps.take_while(|step| step.start_time() < orbit.period());
+        let mut slides = Vec::new();
+        let steps = steps.filter(|step| step.duration() > 0.0);
+        steps.for_each(|step| retain_slipping(&mut slides, step.modes()));
+        return at_rest::<S>(&slides).kind();
     }
     if orbit.alternates() {
         AttractorKind::StickSlip
@@ -388,20 +421,24 @@ pub(super) fn kind_of<S: SystemState>(form: &GeneralForm<'_>, orbit: &Orbit<S>) 
     }
 }
 
-/// The motion that was found, if it attracts and lies near the guess.
+/// The motion that was found, if it attracts and lies near the guess; or if masses are at rest in
+/// it, and the motion approaches it from test to test.
 fn accepted<S: Oscillator>(
     system: &S,
     form: &GeneralForm<'_>,
     found: TrialMotion,
     period: Period,
-    (seen, guess, missed): (&Recurrence, &State, f64),
+    (seen, guess, missed, tested): (&Recurrence, &State, f64, &[State]),
 ) -> Result<Option<Orbit<S::State>>, Error> {
-    if seen.apart(&found.map.start, guess) > NEAR {
+    let is_near = seen.apart(&found.map.start, guess) <= NEAR;
+    let decays = seen.decays_to(&found.map.start, tested);
+    if !(is_near || decays) {
         return Ok(None);
     }
     let orbit = Orbit::new(system, form, found, period)?;
     let attracts = orbit.is_stable() && !orbit.is_one_of_many();
-    Ok((attracts || missed <= CLOSED).then_some(orbit))
+    let is_end = is_near && (attracts || missed <= CLOSED) || decays && stands(form, &orbit);
+    Ok(is_end.then_some(orbit))
 }
 
 /// The number of returns after which a motion repeats itself, and its distance from itself then.
@@ -437,7 +474,8 @@ struct Recurrence {
     /// Least and largest value of each first-order state on which anything depends, by its memory
     /// variable.
     states: Vec<(usize, (f64, f64))>,
-    modes: Vec<Mode>,
+    /// For each contact, true if it slips in all steps.
+    slides: Vec<bool>,
     /// States at events, by element and kind, and how many there were.
     events: BTreeMap<(Element, u8), (usize, Returns)>,
     /// States at the largest displacements of one coordinate.
@@ -457,7 +495,7 @@ impl Recurrence {
         Self {
             ranges: vec![NONE; 2 * form.len()],
             states: acting.map(|place| (place, NONE)).collect(),
-            modes: Vec::new(),
+            slides: Vec::new(),
             events: BTreeMap::new(),
             turning: form.turning(turning),
             turns: (0, Returns::new()),
@@ -475,7 +513,9 @@ impl Recurrence {
         number: &mut u64,
     ) {
         let back = |state: &State| form.put_back(state, start);
-        for state in [step.state(), &step.end_state()].map(back) {
+        // A slip may begin and end at rest within one step.
+        let middle = step.state_at(0.5 * step.duration());
+        for state in [step.state(), &middle, &step.end_state()].map(back) {
             let numbers = state.displacements.iter().chain(&state.velocities);
             for ((least, largest), x) in std::iter::zip(&mut self.ranges, numbers) {
                 (*least, *largest) = (least.min(*x), largest.max(*x));
@@ -485,7 +525,7 @@ impl Recurrence {
                 (*least, *largest) = (least.min(x), largest.max(x));
             }
         }
-        self.modes = step.modes().to_vec();
+        retain_slipping(&mut self.slides, step.modes());
         if let Some(period) = period {
             // A step may be longer than any number of periods; only the last states are kept.
             let end = step.end_time();
@@ -563,6 +603,18 @@ impl Recurrence {
         often
             .min_by_key(|(count, _)| *count)
             .map(|(_, returns)| returns)
+    }
+
+    /// Returns true if the states at the last tests, and at the last beginnings of periods of the
+    /// drives, come ever nearer to a state.
+    fn decays_to(&self, rest: &State, tested: &[State]) -> bool {
+        let away = |state: &State| self.apart(state, rest);
+        let returns = self.strobes.iter().map(|(_, state)| away(state));
+        let returns: Vec<f64> = returns.collect();
+        let tests: Vec<f64> = tested.iter().rev().take(SHORTER).map(away).collect();
+        tests.len() == SHORTER
+            && tests.windows(2).all(|pair| pair[0] <= DECAYS * pair[1])
+            && returns.windows(2).all(|pair| pair[1] <= pair[0])
     }
 
     /// The largest difference of displacements and velocities, in units of their ranges.

@@ -5,14 +5,16 @@ use approx::assert_abs_diff_eq;
 use std::ops::ControlFlow::{Break, Continue};
 
 use stick_slip::limit_cycle::{self, Attractor as Planar};
-use stick_slip::orbit::{AttractorKind, Change, Period, Search, classify, settle, sweep};
+use stick_slip::orbit::{
+    AttractorKind, Change, Period, Search, classify, settle, sweep, vibration_ranges,
+};
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, CycleKind, Drive, Dwell, Error, EventKind, Exponential, MassOnBelt, Rational,
     Stribeck, Structure, bifurcation,
 };
 
-use crate::common::{Random, one_mass, oscillator, paper, refused, text};
+use crate::common::{Random, exactly, one_mass, oscillator, paper, refused, text};
 use crate::reading::structure;
 use crate::references::{all, period, remembers, start};
 
@@ -387,6 +389,32 @@ fn what_contacts_hold_is_at_rest() {
         let found = classify(&held, &State::new(&[q, 0.1], &[v, 0.2])).unwrap();
         assert_eq!(found.kind(), AttractorKind::Rest, "{q} {v}: {found:?}");
     }
+}
+
+/// A force pushes a mass on by a shorter slip in each period, and these slips never cease: the mass
+/// approaches the place at which the largest force is just held.
+#[test]
+fn what_a_force_shakes_down_is_at_rest() {
+    let mass = |amplitude: f64| {
+        let force = Drive::constant(0.25).with_harmonic(amplitude, 2.0, 0.0)?;
+        let contact = Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?;
+        one_mass([1.0, 0.0, 1.0], force, contact)
+    };
+    for amplitude in [0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.25] {
+        let system = mass(amplitude).unwrap();
+        let found = classify(&system, &State::at_rest(1)).unwrap();
+        assert_eq!(found.kind(), AttractorKind::Rest, "{amplitude}: {found:?}");
+        // What is missing falls like 1/t.
+        let motion = system.simulate(State::at_rest(1), 3000.0).unwrap();
+        let expected = (0.25 + amplitude - 0.3_f64).max(0.0);
+        let missed = |time: f64| expected - motion.state_at(time).unwrap().displacements[0];
+        let [early, late] = [1500.0, 3000.0].map(missed);
+        let falls = (early / late - 2.0).abs() < 0.1;
+        assert!(expected == 0.0 || falls, "{amplitude}: {early} {late}");
+    }
+    let found = vibration_ranges(mass, 0.04..0.25).unwrap();
+    let [only] = exactly(&found.ranges);
+    assert_eq!(only.attractors, [AttractorKind::Rest]);
 }
 
 /// What is at rest does not depend on a free inertia that turns beside it, nor on the time for
