@@ -402,10 +402,16 @@ impl Walk<'_, '_> {
         }
         let is_last = [range.start, range.end].contains(&curve.parameter(&place.solved.y));
         let turned = Curve::speed(&place.solved) / Curve::speed(base);
+        // Rounding decides the parameter of a motion much smaller than the last one: it leads to
+        // the Hopf point itself.
+        let smallest = HOPF_PARTS[HOPF_PARTS.len() - 1];
+        if turned <= smallest
+            && let Some(end) = self.hopf(view, here, &place)
+        {
+            return Ok(end);
+        }
         if turned < -AT_REST {
-            return self
-                .hopf(view, here, &place)
-                .ok_or_else(|| curve.lost(&place.solved.y, &place.solved.trial));
+            return Err(curve.lost(&place.solved.y, &place.solved.trial));
         }
         if turned <= AT_REST {
             // Newton's method has converged to an equilibrium, which is periodic with any period.
@@ -461,17 +467,20 @@ impl Walk<'_, '_> {
         Some(BranchEnd::Birth { parameter })
     }
 
-    /// The Hopf point between two places, if the motion shrinks to a point there.
+    /// The Hopf point between two places, or just beyond them, if the motion shrinks to a point
+    /// there.
     ///
     /// The parameter is an even analytic function of the acceleration at the start: its value at 0
     /// is that of the polynomial through four smaller motions. It leads to the zero of the growth
-    /// rate of steady sliding.
+    /// rate of steady sliding, which must confirm a point beyond the places.
     fn hopf(
         &self,
         view: &LocalCurve<'_, '_>,
         here: &CurvePoint,
         beyond: &CurvePoint,
     ) -> Option<Outcome> {
+        /// Places in a step at which the velocity is evaluated: a step may take half a period.
+        const PLACES: u32 = 8;
         let curve = view.curve;
         let turn = |place: &CurvePoint| Curve::speed(&place.solved);
         // The largest velocity itself, because the sizes do not fall below rounding of the
@@ -479,8 +488,12 @@ impl Walk<'_, '_> {
         let speed = |place: &CurvePoint| {
             let condition = place.solved.begin.condition.as_ref()?;
             let turning = condition.turning.as_ref()?;
-            let ends = place.solved.trial.map.steps.iter().map(Segment::end_state);
-            let speeds = ends.map(|end| turning.of_velocities(|j| end.velocities[j]).abs());
+            let states = place.solved.trial.map.steps.iter().flat_map(|step| {
+                let times =
+                    (1..=PLACES).map(|i| step.duration() * (f64::from(i) / f64::from(PLACES)));
+                times.map(|time| step.state_at(time))
+            });
+            let speeds = states.map(|state| turning.of_velocities(|j| state.velocities[j]).abs());
             Some(speeds.fold(0.0, f64::max))
         };
         let whole = turn(here);
@@ -502,11 +515,10 @@ impl Walk<'_, '_> {
         }
         let extrapolated = at_zero(&mut known);
         let unit = curve.width();
-        let parameter = hopf_point(&|value| curve.spectrum(value), extrapolated, unit)
-            .ok()
-            .map(|(exact, _)| exact)
-            .filter(|exact| (exact - extrapolated).abs() <= HOPF_ERROR * unit)
-            .unwrap_or(extrapolated);
+        let exact = hopf_point(&|value| curve.spectrum(value), extrapolated, unit).ok();
+        let exact = exact.map(|(exact, _)| exact);
+        let exact = exact.filter(|exact| (exact - extrapolated).abs() <= HOPF_ERROR * unit);
+        let parameter = exact.or((turn(beyond) < 0.0).then_some(extrapolated))?;
         Some(Outcome::End(BranchEnd::Hopf { parameter }))
     }
 

@@ -1,9 +1,11 @@
 //! Motions that are born at Hopf points of steady sliding: amplitudes of the normal form.
 
 use stick_slip::nalgebra::{Complex, DMatrix, DVector};
-use stick_slip::orbit::{self, BifurcationKind, BranchEnd, begin, follow};
+use stick_slip::orbit::{self, BifurcationKind, BranchEnd, begin, classify, follow};
+use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure, bifurcation,
+    Contact, Coulomb, Drive, Error, Exponential, ForceElement, LuGre, MassOnBelt, PolynomialSpring,
+    Structure, bifurcation,
 };
 
 use crate::common::{count, list, number, one_mass, text};
@@ -271,4 +273,47 @@ fn a_normal_spring_acts_on_the_steady_sliding_at_a_birth() -> Result<(), Error> 
     });
     assert!((hopf.unwrap() - low).abs() < 1e-12, "{hopf:?} {low}");
     Ok(())
+}
+
+/// A branch ends at its Hopf point without a fold before it: rounding decides the parameter of
+/// motions so small that it differs from that point by less. The Hopf point is that of c + N μ̂' =
+/// 0.
+#[test]
+fn a_branch_that_shrinks_to_a_hopf_point_has_no_fold_there() {
+    let ([stat, kinetic, speed], damping, load) = (
+        [0.4957115421832068, 0.39223666432756826, 0.5458899997215975],
+        0.05023185467838512,
+        0.41721097908445376,
+    );
+    let family = |velocity: f64| {
+        let law = Exponential::new(stat, kinetic, speed)?;
+        let spring = PolynomialSpring::new(&[0.0, 0.0, 0.07823012643827945])?;
+        let contact = Contact::new(0, law, load)?.on_belt(velocity);
+        one_mass(
+            [0.6496481426742486, damping, 1.8090080857856021],
+            0.0,
+            contact,
+        )?
+        .with_element(ForceElement::new(0, spring)?)
+    };
+    let first = 0.2300024209803972;
+    let start = classify(&family(first).unwrap(), &State::at_rest(1)).unwrap();
+    let branch = follow(family, first, start.orbit().unwrap(), 0.02..2.0).unwrap();
+    let kinds = branch.bifurcations.iter().map(|found| found.kind);
+    assert!(
+        kinds.eq([BifurcationKind::Grazing; 2]),
+        "{:?}",
+        branch.bifurcations
+    );
+    let ends = [&branch.points[0], &branch.points[branch.points.len() - 1]];
+    for (end, last) in std::iter::zip(&branch.ends, ends) {
+        let BranchEnd::Hopf { parameter } = *end else {
+            panic!("{end:?}")
+        };
+        let part = parameter / speed;
+        let slope = -2.0 * (stat - kinetic) * part / speed * (-part * part).exp();
+        assert!((damping + load * slope).abs() < 1e-13, "{parameter}");
+        assert!(last.orbit.amplitude(0) > 1e-6 && last.orbit.is_stable());
+        assert!((last.parameter - parameter).abs() < 1e-8, "{parameter}");
+    }
 }
