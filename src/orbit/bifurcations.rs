@@ -246,7 +246,7 @@ impl LocalCurve<'_, '_> {
                 .any(|found| found.kind == BifurcationKind::Fold);
             if test == 1
                 && !turned
-                && let Some(place) = self.pitchfork(from, to)
+                && let Some(place) = self.pitchfork(from, to, begin[test] == 0.0)
             {
                 found.push(FoundBifurcation {
                     distance: place.distance,

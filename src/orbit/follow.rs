@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
+use super::bifurcations::Signs;
 use super::branch::{Bifurcation, Branch, BranchEnd, BranchPoint};
 use super::branch_equations::{Curve, MOST_TRIALS, Solved};
 use super::oscillator::{Oscillator, Systems, member};
@@ -242,7 +243,7 @@ pub(super) fn anchor(
 fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
     let first = first(curve, guess)?;
     let first_scale = natural_scale(curve, &first);
-    let walk = |direction: f64, other_half: &[Left]| -> Result<_, Error> {
+    let walk = |direction: f64, other_half: &[Left], signs: Signs| -> Result<_, Error> {
         curve.work.begin_again();
         let mut walk = Walk {
             curve,
@@ -251,18 +252,20 @@ fn walks(curve: &Curve<'_>, guess: &Solved) -> Result<Results, Error> {
             before: None,
             found: Vec::new(),
             other_half,
+            signs,
             is_ring: false,
         };
         let mut first = first.clone();
         first.tangent *= direction;
         let end = walk.run(&first)?;
-        Ok((walk.points, walk.found, end, walk.is_ring))
+        Ok(((walk.points, walk.found, end), walk.is_ring, walk.signs))
     };
-    let (up, found_up, end_up, is_ring) = walk(1.0, &[])?;
-    let (mut points, mut changes, end_down, _) = if is_ring {
-        (Vec::new(), Vec::new(), BranchEnd::Closed, true)
+    let ((up, found_up, end_up), is_ring, [along, folds, flips, tori]) = walk(1.0, &[], [0.0; 4])?;
+    let (mut points, mut changes, end_down) = if is_ring {
+        (Vec::new(), Vec::new(), BranchEnd::Closed)
     } else {
-        walk(-1.0, &up)?
+        // In this direction the parameter falls.
+        walk(-1.0, &up, [-along, folds, flips, tori])?.0
     };
     points.reverse();
     changes.reverse();

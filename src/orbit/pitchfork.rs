@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::branch_equations::solution;
+use super::branch_equations::{Solved, solution};
 use super::branch_predictor::{CurvePoint, LocalCurve};
 use super::half_map::{Balance, HalfMap, inverting};
 use super::period_map::{CLOSED, vector};
@@ -12,12 +12,28 @@ use crate::numerics::bracket::Bracket;
 const MOST_STEPS: usize = 12;
 
 impl LocalCurve<'_, '_> {
-    /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one.
+    /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one;
+    /// `is_first` if the multiplier of the first one is 1 to rounding.
     ///
     /// At a pitchfork the equations of `follow` are singular, but those of the half-period map G
     /// are not: a symmetric motion is a fixed point of G, and det(G' + 1) changes its sign at a
     /// pitchfork.
-    pub(super) fn pitchfork(&self, from: &CurvePoint, to: &CurvePoint) -> Option<CurvePoint> {
+    pub(super) fn pitchfork(
+        &self,
+        from: &CurvePoint,
+        to: &CurvePoint,
+        is_first: bool,
+    ) -> Option<CurvePoint> {
+        if is_first {
+            // Its determinant has no sign.
+            let Solved {
+                y, begin, trial, ..
+            } = &from.solved;
+            let half_map = HalfMap::of_symmetric(&trial.map, trial.period)?;
+            let (half, _) = self.curve.motion(y, begin, 0.5).ok()?;
+            let inverted = half_map.inverted(&half, &trial.map.sizes());
+            return inverted.map(|_| from.clone());
+        }
         let ends = [from, to].map(|place| {
             let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
             let symmetric = HalfMap::of_symmetric(map, period);

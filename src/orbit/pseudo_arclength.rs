@@ -28,6 +28,9 @@ pub(super) struct Walk<'v, 'f> {
     pub(super) found: Vec<Change>,
     /// The points of the other half, if it is known.
     pub(super) other_half: &'v [Left],
+    /// The signs of the test functions beside the first motion: those in the other half when the
+    /// walk begins, then those in this half. At a bifurcation the first motion itself has none.
+    pub(super) signs: Signs,
     /// True if the curve returned to its first motion: this half is the whole of it.
     pub(super) is_ring: bool,
 }
@@ -149,7 +152,7 @@ impl Walk<'_, '_> {
             return Ok(BranchEnd::Range);
         }
         let mut scale = self.first_scale.clone();
-        let mut signs: Signs = [0.0; 4];
+        let mut signs = std::mem::replace(&mut self.signs, [0.0; 4]);
         let mut step = 0.25 * LONGEST;
         let mut is_known = false;
         for _ in 0..self.curve.work.most.1 {
@@ -157,6 +160,11 @@ impl Walk<'_, '_> {
                 break;
             }
             let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
+            if let (None, Outcome::Next(place, found) | Outcome::Last(place, found)) =
+                (&second, &outcome)
+            {
+                self.signs = signs_beside(&base, &place.solved, found, signs);
+            }
             let place = match outcome {
                 Outcome::Next(place, found) => {
                     self.add(found)?;
@@ -623,6 +631,21 @@ impl Walk<'_, '_> {
         let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
         Some((solved, scale))
     }
+}
+
+/// The signs of the test functions beside the first motion, from those after the first step: none
+/// if the events change in between. A fold found in this step changes two of them, and the other
+/// half must not find it again.
+fn signs_beside(first: &Solved, next: &Solved, found: &[FoundBifurcation], signs: Signs) -> Signs {
+    let [along, folds, flips, tori] = signs;
+    if !first.is_like(next) {
+        return [0.0; 4];
+    }
+    let is_fold = |found: &FoundBifurcation| found.kind == BifurcationKind::Fold;
+    if found.iter().any(is_fold) {
+        return [0.0, 0.0, flips, tori];
+    }
+    [along, folds, flips, tori]
 }
 
 /// The shortest step from a point. The map magnifies rounding errors, so points at a much smaller

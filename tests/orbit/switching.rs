@@ -7,7 +7,8 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Drive, Error, EventKind, Exponential, MassOnBelt, Polynomial, Stribeck, Structure,
+    Contact, Drive, Error, EventKind, Exponential, ForceElement, MassOnBelt, Polynomial,
+    PolynomialSpring, Stribeck, Structure,
 };
 
 use crate::common::{exactly, larger, list, number, one_mass};
@@ -106,6 +107,53 @@ fn a_doubled_branch_turns_back_at_the_flip() {
         let [one, other] = ends.map(|orbit| orbit.multipliers()[0].re);
         assert!((one / other - 1.0).abs() < 1e-9, "{first}: {one}, {other}");
     }
+}
+
+/// A branch that starts at a bifurcation reports it, as one that passes it: flips and pitchforks of
+/// the reference data, and the folds of a resonance, at which the branch turns.
+#[test]
+fn a_start_at_a_bifurcation_is_reported() {
+    let mut compared = 0;
+    for (name, kind) in [
+        ("flc", BifurcationKind::Flip),
+        ("pit", BifurcationKind::Pitchfork),
+    ] {
+        let case = curve(name);
+        for point in list(&case["points"]).iter().step_by(3) {
+            let [first, _] = parameters(point);
+            let family = |second: f64| Ok(member(&case["system"], first, second));
+            let branch = branch(&case, point);
+            let known = only(&branch, kind);
+            let range = 0.99 * known.parameter..1.01 * known.parameter;
+            let there = follow(family, known.parameter, &known.orbit, range).unwrap();
+            let found = only(&there, kind);
+            assert!((found.parameter - known.parameter).abs() < ACCURACY);
+            compared += 1;
+        }
+    }
+    let duffing = |frequency: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_element(ForceElement::new(
+                0,
+                PolynomialSpring::new(&[0.0, 0.0, 1.0])?,
+            )?)?
+            .with_force(0, Drive::harmonic(0.5, frequency, 0.0)?)
+    };
+    let start = duffing(0.6).unwrap();
+    let start = settle(&start, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+    let branch = follow(duffing, 0.6, &start, 0.5..3.0).unwrap();
+    for known in exactly::<_, 2>(&branch.bifurcations) {
+        let range = known.parameter - 0.1..known.parameter + 0.1;
+        let there = follow(duffing, known.parameter, &known.orbit, range).unwrap();
+        let fold = only(&there, BifurcationKind::Fold);
+        assert!((fold.parameter - known.parameter).abs() < ACCURACY);
+        let ends = [0, there.points.len() - 1].map(|i| there.points[i].orbit.is_stable());
+        assert_ne!(ends[0], ends[1]);
+        compared += 1;
+    }
+    assert!(compared > 5, "{compared}");
 }
 
 /// Pitchforks of the symmetric motion with two stops, in closed form: half-period multiplier −1.
