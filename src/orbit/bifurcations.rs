@@ -221,7 +221,7 @@ impl LocalCurve<'_, '_> {
         signs: &mut Signs,
         found: &mut Vec<FoundBifurcation>,
     ) -> Result<(), Error> {
-        if self.gained_symmetry(from, to).is_some() {
+        if self.gained_symmetry(&from.solved, (from, to)).is_some() {
             return Err(self.lost(to));
         }
         let [begin, end] = [from, to].map(|place| self.tests(&place.solved, ROUNDING));

@@ -11,7 +11,7 @@ use super::half_map::{Balance, HalfMap};
 use super::period_map::vector;
 
 /// Largest departure of a symmetric motion, in units of its extents.
-const SYMMETRIC: f64 = 1e-7;
+pub(super) const SYMMETRIC: f64 = 1e-7;
 
 /// What a motion with a symmetry misses of it at most, as a part of what others miss. Near a Hopf
 /// point all motions become mirror images of themselves as they shrink, but in proportion.
@@ -27,14 +27,18 @@ const MIRRORED: f64 = 1e-3;
 
 impl LocalCurve<'_, '_> {
     /// The number of a symmetry that a piece of the curve seems to gain: it leads from motions
-    /// without it to motions with it.
+    /// without it to motions with it. `lacks` is one of the former, the first point or one before.
     ///
     /// On one smooth piece all motions have a symmetry, or single ones, such as that at a flip of
     /// others, through which the branch passes. A symmetric motion with a symmetric neighbour
     /// therefore lies on another curve, or beyond a change of events.
-    pub(super) fn gained_symmetry(&self, from: &CurvePoint, to: &CurvePoint) -> Option<usize> {
+    pub(super) fn gained_symmetry(
+        &self,
+        lacks: &Solved,
+        (from, to): (&CurvePoint, &CurvePoint),
+    ) -> Option<usize> {
         let curve = self.curve;
-        let [before, after] = [from, to].map(|place| departures(curve, &place.solved));
+        let [before, after] = [lacks, &to.solved].map(|motion| departures(curve, motion));
         let vanishes = |missed: f64, before: f64| missed <= SYMMETRIC.min(VANISHING * before);
         let mut pairs = std::iter::zip(&before, &after);
         let gained =
@@ -48,10 +52,12 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The number of the change of events, of those found between two points, at which the motions
-    /// of the branch meet their images under a symmetry, and motions with the symmetry.
+    /// of the branch meet their images under a symmetry, and motions with the symmetry. `lacks` is
+    /// a motion of the branch, the first of these points or one before.
     pub(super) fn birth(
         &self,
         (from, to): (&CurvePoint, &CurvePoint),
+        lacks: &Solved,
         found: &[FoundBifurcation],
     ) -> Option<usize> {
         let changes = [BifurcationKind::Grazing, BifurcationKind::Sequence];
@@ -59,15 +65,15 @@ impl LocalCurve<'_, '_> {
         if !found.iter().any(is_change) {
             return None;
         }
-        let gained = self.gained_symmetry(from, to)?;
-        let before = departures(self.curve, &from.solved);
+        let gained = self.gained_symmetry(lacks, (from, to))?;
+        let before = departures(self.curve, lacks);
         let birth = found.iter().position(|found| {
             is_change(found) && departures(self.curve, &found.solved)[gained] <= JUMP
         })?;
         // All systems of the family have the symmetries in time.
         let is_in_time = gained + 1 < before.len();
         let is_mirrored = |missed: f64| missed <= MIRRORED * before[gained];
-        (is_in_time || self.mirrored(from, to).is_some_and(is_mirrored)).then_some(birth)
+        (is_in_time || self.mirrored(lacks, to).is_some_and(is_mirrored)).then_some(birth)
     }
 
     /// The largest departure of a motion from a symmetry that another one has; 0 if there is none.
@@ -79,9 +85,9 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The residual of the mirror image of a motion, from a symmetric motion near it.
-    fn mirrored(&self, motion: &CurvePoint, symmetric: &CurvePoint) -> Option<f64> {
+    fn mirrored(&self, motion: &Solved, symmetric: &CurvePoint) -> Option<f64> {
         let curve = self.curve;
-        let (Solved { y, begin, .. }, there) = (&motion.solved, &symmetric.solved);
+        let (Solved { y, begin, .. }, there) = (motion, &symmetric.solved);
         let half_map = HalfMap::of_symmetric(&there.trial.map, there.trial.period)?;
         let balance = |y: &DVector<f64>| {
             let balance = curve.with(y, |form, period| Ok(Balance::of(form, period)));
@@ -99,7 +105,7 @@ impl LocalCurve<'_, '_> {
 /// What a motion misses of each symmetry, in units of its largest displacement and velocity: of
 /// having a part of its period as its period, and of being its own mirror image half a period
 /// later, x(t + T/2) = c − x(t).
-fn departures(curve: &Curve<'_>, solved: &Solved) -> Vec<f64> {
+pub(super) fn departures(curve: &Curve<'_>, solved: &Solved) -> Vec<f64> {
     let (map, period, n) = (&solved.trial.map, solved.trial.period, curve.n);
     let units = map.largest(&map.extents());
     let at = |part: f64| {

@@ -10,6 +10,7 @@ use super::discontinuity::LARGE;
 use super::event_sequence::Sequence;
 use super::hopf_point::hopf_point;
 use super::locus::tangential_end::tangential_end;
+use super::lost_symmetry::{SYMMETRIC, departures};
 use super::periodic_orbit::Closed;
 use super::phase_condition::FrozenStart;
 use crate::error::Error;
@@ -46,6 +47,8 @@ pub(super) struct Left {
     begin: FrozenStart,
     sequence: Sequence,
     growth: f64,
+    /// What it misses of each symmetry.
+    departures: Vec<f64>,
     pub(super) parameter: f64,
     pub(super) closed: Closed,
 }
@@ -57,6 +60,7 @@ impl Left {
             begin: solved.begin.clone(),
             sequence: solved.sequence.clone(),
             growth: solved.trial.map.growth(),
+            departures: departures(curve, solved),
             parameter: curve.parameter(&solved.y),
             closed: curve.closed(solved)?,
         })
@@ -463,13 +467,27 @@ impl Walk<'_, '_> {
 
     /// The end at a change of events at which the branch is born, if there is one between two
     /// places, and only what is found up to there.
+    ///
+    /// So near its birth the first of these places may have the symmetry to rounding that motions
+    /// before it lack.
     fn birth(
         &self,
         view: &LocalCurve<'_, '_>,
         [here, place]: [&CurvePoint; 2],
         found: &mut Vec<FoundBifurcation>,
     ) -> Option<BranchEnd> {
-        let birth = view.birth((here, place), found)?;
+        let base = &here.solved;
+        let birth = view.birth((here, place), base, found).or_else(|| {
+            let own = departures(self.curve, base).into_iter().enumerate();
+            let mut hidden = own.filter(|(_, missed)| *missed <= SYMMETRIC);
+            hidden.find_map(|(symmetry, _)| {
+                let before = self.points.iter().rev();
+                let mut alike = before.take_while(|point| point.sequence.is_like(&base.sequence));
+                let lacks = alike.find(|point| point.departures[symmetry] > SYMMETRIC)?;
+                let lacks = self.curve.guess_at(lacks.y.clone(), lacks.begin.clone());
+                view.birth((here, place), &lacks.ok()?, found)
+            })
+        })?;
         found.truncate(birth + 1);
         let parameter = self.curve.parameter(&found[birth].solved.y);
         Some(BranchEnd::Birth { parameter })

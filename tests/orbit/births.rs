@@ -1,14 +1,14 @@
 //! Motions that are born at Hopf points of steady sliding: amplitudes of the normal form.
 
 use stick_slip::nalgebra::{Complex, DMatrix, DVector};
-use stick_slip::orbit::{self, BifurcationKind, BranchEnd, begin, classify, follow};
+use stick_slip::orbit::{self, BifurcationKind, BranchEnd, Orbit, Search, begin, classify, follow};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Drive, Error, Exponential, ForceElement, LuGre, MassOnBelt, PolynomialSpring,
-    Structure, bifurcation,
+    Contact, Coulomb, Drive, Error, Exponential, ForceElement, LuGre, MassOnBelt, Polynomial,
+    PolynomialSpring, Structure, bifurcation,
 };
 
-use crate::common::{count, list, number, one_mass, text};
+use crate::common::{count, exactly, list, number, one_mass, text};
 use crate::loci::{curve, member};
 
 /// A mass on a belt with the exponential law: A' = aA + cA³ with a = −(2β + μ̂'(v_b))/2, so that A²
@@ -316,4 +316,49 @@ fn a_branch_that_shrinks_to_a_hopf_point_has_no_fold_there() {
         assert!(last.orbit.amplitude(0) > 1e-6 && last.orbit.is_stable());
         assert!((last.parameter - parameter).abs() < 1e-8, "{parameter}");
     }
+}
+
+/// A doubled branch that meets its primary where a touch of the belt begins is born there. Its last
+/// steps before the touch are so short that the two halves of its period differ by rounding only.
+#[test]
+fn a_doubled_branch_is_born_where_it_meets_its_primary() {
+    let family = |velocity: f64| {
+        let law = Polynomial::new(0.4277808316488936, 0.2955734512019033, 0.3869495016458745)?;
+        let spring = PolynomialSpring::new(&[0.0, 0.0, 0.06348880085020334])?;
+        Structure::new(&[0.6289048991531904, 0.9170946840408104])?
+            .with_ground_spring(0, 0.8121334472895735)?
+            .with_ground_spring(1, 0.8106663206874578)?
+            .with_ground_damper(0, 0.16753836124937854)?
+            .with_ground_damper(1, 0.09228577258819005)?
+            .with_spring(0, 1, 1.1749087061336052)?
+            .with_damper(0, 1, 0.01674837515002987)?
+            .with_element(ForceElement::new(1, spring)?)?
+            .with_contact(Contact::new(0, law, 1.4818171315163187)?.on_belt(velocity))
+    };
+    let first = 0.25076514219946044;
+    let start = classify(&family(first).unwrap(), &State::at_rest(2)).unwrap();
+    let search = Search::new().with_max_points(300).unwrap();
+    let branch = search.follow(family, first, start.orbit().unwrap(), 0.2..0.4);
+    let branch = branch.unwrap();
+    let births = branch.ends.iter().filter_map(|end| match end {
+        BranchEnd::Birth { parameter } => Some(*parameter),
+        _ => None,
+    });
+    let births: Vec<f64> = births.collect();
+    let [&birth] = exactly(&births);
+    assert!((birth - 0.2844016757).abs() < 1e-9, "{birth}");
+    let halves = |orbit: &Orbit<State>| {
+        let half = orbit.trajectory().state_at(0.5 * orbit.period()).unwrap();
+        (half.displacements[0] - orbit.state().displacements[0]).abs()
+            + (half.velocities[0] - orbit.state().velocities[0]).abs()
+    };
+    for point in &branch.points {
+        let (apart, away) = (halves(&point.orbit), (point.parameter - birth).abs());
+        assert!(apart > 1e-3 * away, "{}: {apart:e}", point.parameter);
+    }
+    let there = branch.bifurcations.iter();
+    let there: Vec<_> = there.filter(|found| found.parameter == birth).collect();
+    let [there] = exactly(&there);
+    assert_eq!(there.kind, BifurcationKind::Grazing);
+    assert!(halves(&there.orbit) < 1e-7);
 }
