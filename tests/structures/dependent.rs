@@ -1,6 +1,8 @@
 //! Contacts with linearly dependent directions that are at rest together: brakes and clutches in a
 //! ring, parallel pads.
 
+use std::f64::consts::FRAC_PI_2;
+
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
@@ -528,4 +530,49 @@ fn surfaces_that_part_do_not_hold_together() {
     assert_eq!(motion.mode_at(0, 0.5), Some(Mode::Stick));
     assert_eq!(motion.mode_at(1, 0.5), Some(Mode::Slip(Direction::Leading)));
     assert_relative_eq!(motion.last().velocities[0], 0.1 * (1.0_f64.cos() - 1.0));
+}
+
+/// A belt that turns back takes the mass along by a freewheel, off the ground and off the freewheel
+/// there: both are asked whether they can rest with the one on the belt, in any order.
+#[test]
+fn a_belt_that_turns_back_leaves_no_contact_behind() {
+    const BELT: f64 = 0.4;
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        let mut block = Structure::new(&[1.0]).unwrap();
+        for which in order {
+            let freewheel = || Contact::new(0, Freewheel::new(even(0.1))?, 1.0);
+            let contact = match which {
+                0 => Contact::new(0, even(0.3), 1.0),
+                1 => freewheel(),
+                _ => freewheel().map(|it| it.on_belt(Drive::harmonic(BELT, 1.0, 0.0).unwrap())),
+            };
+            block = block.with_contact(contact.unwrap()).unwrap();
+        }
+        let motion = block.simulate(State::at_rest(1), 3.0).unwrap();
+        let place = |which: usize| order.iter().position(|&it| it == which).unwrap();
+        let mut expected = [
+            (place(0), EventKind::Release(Direction::Lagging)),
+            (place(1), EventKind::Release(Direction::Lagging)),
+            (place(2), EventKind::Stick),
+        ];
+        expected.sort_by_key(|&(c, _)| c);
+        assert_eq!(keys(&motion), expected, "{order:?}");
+        for event in motion.events() {
+            assert_abs_diff_eq!(event.time, FRAC_PI_2, epsilon = 1e-15);
+        }
+        assert_abs_diff_eq!(
+            motion.last().velocities[0],
+            BELT * 3.0_f64.cos(),
+            epsilon = 1e-15
+        );
+        let way = BELT * (3.0_f64.sin() - 1.0);
+        assert_abs_diff_eq!(motion.last().displacements[0], way, epsilon = 1e-15);
+    }
 }

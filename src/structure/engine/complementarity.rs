@@ -105,7 +105,7 @@ fn walk(model: &Model<'_>, series: &Series, unknowns: &mut [Unknown]) -> Result<
     for unknown in unknowns.iter_mut() {
         unknown.choice = Choice::Stick;
     }
-    let parted = part_from_base(model, series, unknowns)?;
+    let parted = part_riders(model, series, unknowns)?;
     match walk_from(model, series, unknowns, (None, parted)) {
         Err(Unsolved::TooMany(_)) if unknowns.iter().all(Unknown::may_slip_freely) => {}
         found => return found,
@@ -142,7 +142,8 @@ fn walk_from(
                 if unknowns[i].most(side) == f64::INFINITY {
                     unknowns[i].choice = Choice::Stick;
                     let own = -side.sign();
-                    parted.push(give_way(model, unknowns, (contact, own), &resting.holding)?);
+                    let parting = ((contact, own), &resting.holding);
+                    parted.extend(part(model, series, unknowns, parting)?);
                 }
                 continue;
             }
@@ -156,7 +157,8 @@ fn walk_from(
                 let contact = unknowns[i].contact;
                 unknowns[i].choice = Choice::Stick;
                 if let Some(own) = disagreement(model, series, contact, &resting.holding) {
-                    parted.push(give_way(model, unknowns, (contact, own), &resting.holding)?);
+                    let parting = ((contact, own), &resting.holding);
+                    parted.extend(part(model, series, unknowns, parting)?);
                 }
                 continue;
             }
@@ -178,22 +180,42 @@ fn walk_from(
     Err(Unsolved::Endless)
 }
 
-/// Contacts on surfaces that do not move with the others cannot rest with them: they slip, in the
-/// direction of the first derivative of their velocity that is not 0. Returns their places.
-fn part_from_base(
+/// Riders on surfaces that do not move with the base cannot rest with it: they slip, in the
+/// direction of the first derivative of their velocity that is not 0, until all that rest move
+/// together. Returns their places.
+fn part_riders(
     model: &Model<'_>,
     series: &Series,
     unknowns: &mut [Unknown],
 ) -> Result<Vec<usize>, Unsolved> {
-    let resting = hold(model, unknowns);
     let mut parted = Vec::new();
-    for place in 0..unknowns.len() {
-        let contact = unknowns[place].contact;
-        let is_rider = resting.groups.iter().any(|g| g.riders().contains(&contact));
-        if is_rider && let Some(own) = disagreement(model, series, contact, &resting.holding) {
-            parted.push(give_way(model, unknowns, (contact, own), &resting.holding)?);
-        }
+    loop {
+        // Anew after each: if one of the base has slipped in its place, others hold its riders.
+        let resting = hold(model, unknowns);
+        let is_rider = |c: &usize| resting.groups.iter().any(|g| g.riders().contains(c));
+        let contacts = unknowns.iter().map(|unknown| unknown.contact);
+        let mut parting = contacts.filter(is_rider).filter_map(|c| {
+            let own = disagreement(model, series, c, &resting.holding)?;
+            Some((c, own))
+        });
+        let Some(parting) = parting.next() else {
+            return Ok(parted);
+        };
+        parted.push(give_way(model, unknowns, parting, &resting.holding)?);
     }
+}
+
+/// Lets a contact slip that cannot rest with those that hold, or one of these in its place, and
+/// then those that cannot rest with the others. Returns their places.
+fn part(
+    model: &Model<'_>,
+    series: &Series,
+    unknowns: &mut [Unknown],
+    (parting, holding): ((usize, f64), &Holding),
+) -> Result<Vec<usize>, Unsolved> {
+    let first = give_way(model, unknowns, parting, holding)?;
+    let mut parted = part_riders(model, series, unknowns)?;
+    parted.push(first);
     Ok(parted)
 }
 
