@@ -7,8 +7,8 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Error, EventKind, Exponential, Integrator, LuGre, Mode,
-    Segment, Structure,
+    Contact, Coulomb, Direction, Drive, Error, Event, EventKind, Exponential, Integrator, LuGre,
+    Mode, Segment, Structure,
 };
 
 use crate::common::{Random, assert_form, count, even, exactly, forces, larger, one_mass, refused};
@@ -653,6 +653,63 @@ fn a_slider_at_its_limit_rests_beside_a_joint_that_holds() {
             );
         }
     }
+}
+
+/// A slider at its limit beside masses that stick, one to the other and this one to the ground: its
+/// force and its load are constant, also if the load depends on where they are, while another mass
+/// vibrates for ever.
+#[test]
+fn a_slider_whose_load_depends_on_masses_at_rest_rests_with_them() {
+    let mut random = Random::new(92);
+    let mut at_limit = 0;
+    for i in 0..count(12, 100) {
+        let mut uniform = |low, high| random.uniform(low, high);
+        let springs = [uniform(0.3, 1.0), uniform(0.5, 1.5)];
+        let masses = [uniform(0.5, 2.0), uniform(0.5, 2.0), 0.5, 1.0];
+        let start = State::new(
+            &[uniform(-0.4, 0.0), 0.0, 0.3, 0.0],
+            &[uniform(0.3, 1.0), 0.0, 0.0, 0.0],
+        );
+        let between = |other: usize| Contact::between(0, other, even(0.4), 0.6);
+        let sliders = [
+            between(1).and_then(|it| it.with_normal_spring(&[(0, -0.7)], 1.5)),
+            between(1).and_then(|it| it.with_load_gradient(0, -0.6)),
+            between(1).and_then(|it| it.with_load_gradient(0, 0.6)),
+            Contact::new(0, even(0.4), 0.6).and_then(|it| it.with_load_gradient(0, -0.5)),
+            // With a mass that a contact of its own holds.
+            between(3).and_then(|it| it.with_load_gradient(0, -0.5)?.with_load_gradient(3, 0.3)),
+        ];
+        for (kind, slider) in sliders.into_iter().enumerate() {
+            let structure = Structure::new(&masses)
+                .and_then(|s| {
+                    s.with_ground_spring(0, springs[0])?
+                        .with_spring(0, 1, springs[1])
+                })
+                .and_then(|s| s.with_spring(1, 2, 0.2)?.with_ground_spring(2, 2.0))
+                .and_then(|s| s.with_contact(Contact::new(1, even(0.9), 2.0)?))
+                .and_then(|s| s.with_contact(Contact::between(0, 1, even(0.3), 1.6)?))
+                .and_then(|s| s.with_contact(Contact::new(3, even(0.5), 3.0)?))
+                .and_then(|s| s.with_contact(slider?.with_tangential_stiffness(19.0)?))
+                .unwrap();
+            let motion = structure.simulate(start.clone(), 50.0);
+            let motion = motion.unwrap_or_else(|error| panic!("{i}, {kind}: {error}"));
+            let is_of_joint = |event: &&Event<State>| event.contact() == Some(1);
+            let last = motion.events().iter().rfind(is_of_joint).unwrap();
+            assert_eq!(last.kind, EventKind::Stick);
+            let late = motion
+                .events()
+                .iter()
+                .filter(|event| event.time > last.time + 1e-6);
+            assert_eq!(late.count(), 0, "{i}, {kind}: {:?}", motion.events());
+            let carried = motion.last().memory[0];
+            assert_abs_diff_eq!(carried, last.state.memory[0], epsilon = 1e-12);
+            let gradient = [-1.05, -0.6, 0.6, -0.5, -0.5][kind];
+            let limit = 0.4 * (0.6 + gradient * motion.last().displacements[0]);
+            at_limit += usize::from(carried.abs() > limit * (1.0 - 1e-12));
+        }
+    }
+    println!("{at_limit} at the limit");
+    assert!(at_limit > 10);
 }
 
 /// A break of a drive that does not act on a slider does not stop it, at any tolerance: its force

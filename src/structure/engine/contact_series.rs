@@ -32,8 +32,10 @@ pub(super) struct ContactSeries {
     pub(super) speeds: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
-    /// Σ b_j v_j of an elastic contact, where contacts that stick determine it.
+    /// Σ b_j v_j of an elastic contact, and Σ n_j v_j of its load, over coordinates without a
+    /// contact of their own, where contacts that stick determine them.
     pub(super) guided: Option<PowerSeries>,
+    pub(super) guided_load: Option<PowerSeries>,
     /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
     /// alone without a drive: the force that stick would need, from order 1 on.
     pub(super) carried: PowerSeries,
@@ -83,6 +85,7 @@ impl ContactSeries {
             limits: [0.0; 2],
             speeds: PowerSeries::ZERO,
             guided: None,
+            guided_load: None,
             surface: PowerSeries::of(contact.belt_velocity.value(time)),
             carried: PowerSeries::ZERO,
             carried_rounding: PowerSeries::ZERO,

@@ -4,7 +4,8 @@
 use nalgebra::DMatrix;
 
 use super::cholesky::{Factor, Holding, Pivot, ROUNDING};
-use super::contact_data::{Site, entry};
+use super::contact_data::{Entries, Site, entry};
+use super::element_data::sum_of_sizes;
 use super::model::Model;
 
 impl Model<'_> {
@@ -87,18 +88,41 @@ impl Model<'_> {
         depends.then_some(parts)
     }
 
+    /// α with x = Σ α_c b_c over the contacts of a holding, for the part x of a vector on the
+    /// coordinates without a contact of their own, if it depends on their directions.
+    pub(super) fn guiding(&self, vector: &Entries, holding: &Holding) -> Option<Vec<(usize, f64)>> {
+        let shared = vector.iter().filter(|(j, _)| self.owner[*j].is_none());
+        let shared: Vec<(usize, f64)> = shared.copied().collect();
+        if shared.is_empty() || holding.contacts.is_empty() {
+            return None;
+        }
+        let size = sum_of_sizes(&shared, &|j| self.mobility[j]);
+        let (parts, depends) = self.parts_of((&shared, size), holding);
+        depends.then_some(parts)
+    }
+
     /// The α of the combination that comes nearest to b, and whether it is b.
     pub(super) fn parts(&self, c: usize, holding: &Holding) -> (Vec<(usize, f64)>, bool) {
+        let contact = &self.contacts[c];
+        self.parts_of((&contact.direction, contact.compliance.sqrt()), holding)
+    }
+
+    /// The α of the combination that comes nearest to a vector of this size, and whether it is it.
+    fn parts_of(
+        &self,
+        (vector, size): (&Entries, f64),
+        holding: &Holding,
+    ) -> (Vec<(usize, f64)>, bool) {
         let Holding { contacts, factor } = holding;
-        let all = || contacts.iter().copied().chain([c]);
-        let along = all().flat_map(|c| self.contacts[c].direction.iter().map(|&(j, _)| j));
+        let directions = contacts.iter().map(|&c| &self.contacts[c].direction[..]);
+        let along = directions.chain([vector]).flatten().map(|&(j, _)| j);
         let mut coordinates: Vec<usize> = along.collect();
         coordinates.sort_unstable();
         coordinates.dedup();
         let mut parts = vec![0.0; contacts.len()];
         // The first solution, and corrections of its rounding errors.
         for _ in 0..3 {
-            let rest = self.remainder(c, contacts, &parts, &coordinates);
+            let rest = self.remainder(vector, contacts, &parts, &coordinates);
             let pull = |&c: &usize| {
                 let product = |&(j, x): &(usize, f64)| {
                     let place = coordinates.binary_search(&j);
@@ -110,15 +134,15 @@ impl Model<'_> {
             let mut correction: Vec<f64> = contacts.iter().map(pull).collect();
             factor.solve(&mut correction);
             for ((part, correction), &other) in parts.iter_mut().zip(correction).zip(contacts) {
-                let size = self.contacts[other].compliance.sqrt();
-                *part += correction / size;
+                let root = self.contacts[other].compliance.sqrt();
+                *part += correction / root;
                 // A part that is all rounding would leave remainders as large as its terms.
-                if part.abs() * size <= ROUNDING * self.contacts[c].compliance.sqrt() {
+                if part.abs() * root <= ROUNDING * size {
                     *part = 0.0;
                 }
             }
         }
-        let rest = self.remainder(c, contacts, &parts, &coordinates);
+        let rest = self.remainder(vector, contacts, &parts, &coordinates);
         let depends = rest
             .iter()
             .all(|(rest, size)| rest.abs() <= ROUNDING * size);
@@ -126,19 +150,19 @@ impl Model<'_> {
         (parts.collect(), depends)
     }
 
-    /// b − Σ α_c b_c, and the sum of the sizes of its terms, for each of the coordinates of these
-    /// contacts.
+    /// x − Σ α_c b_c, and the sum of the sizes of its terms, for each of these coordinates.
     fn remainder(
         &self,
-        c: usize,
+        vector: &Entries,
         contacts: &[usize],
         parts: &[f64],
         coordinates: &[usize],
     ) -> Vec<(f64, f64)> {
         let mut remainder = vec![(0.0, 0.0); coordinates.len()];
-        let others = std::iter::zip(contacts, parts).map(|(&c, part)| (c, -part));
-        for (c, part) in std::iter::once((c, 1.0)).chain(others) {
-            for (j, b) in self.contacts[c].direction.iter() {
+        let direction = |(&c, part): (&usize, &f64)| (&self.contacts[c].direction[..], -part);
+        let others = std::iter::zip(contacts, parts).map(direction);
+        for (direction, part) in std::iter::once((vector, 1.0)).chain(others) {
+            for (j, b) in direction {
                 if let Ok(place) = coordinates.binary_search(j) {
                     let (rest, size) = &mut remainder[place];
                     *rest += part * b;

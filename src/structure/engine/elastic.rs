@@ -14,7 +14,7 @@
 //! decided this mode. Modes are therefore set in ascending order of the deciding derivative.
 
 use super::cholesky::ROUNDING;
-use super::contact_data::ContactData;
+use super::contact_data::Entries;
 use super::contact_series::{ContactSeries, StepMode};
 use super::coordinate_series::CoordinateSeries;
 use super::element_forces::{element_order, push};
@@ -24,7 +24,7 @@ use super::rounding_scales::load_terms;
 use super::series::Series;
 use super::state::{Entry, Phase, Situation};
 use super::stick_band_edge::{EDGE_ROUNDING, Edge, deciding, side_of};
-use crate::series::INTEGRAL;
+use crate::series::{INTEGRAL, PowerSeries};
 use crate::state::Direction;
 
 /// Order k of the forces of all springs, force elements and first-order states, and k + 1 of what
@@ -38,7 +38,7 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
         let (contact, of) = (&model.contacts[c], &mut series.contacts[c]);
         match contact.tangential_stiffness {
             Some(stiffness) => {
-                of.elastic_order(contact, &series.coordinates, stiffness, k);
+                of.elastic_order(model, c, &series.coordinates, stiffness, k);
                 for &(j, x) in contact.responses() {
                     series.coordinates[j].force[k] -= x * of.carried[k];
                 }
@@ -98,27 +98,37 @@ impl ContactSeries {
     /// speed.
     fn elastic_order(
         &mut self,
-        contact: &ContactData<'_>,
+        model: &Model<'_>,
+        c: usize,
         coordinates: &[CoordinateSeries],
         stiffness: f64,
         k: usize,
     ) {
+        let contact = &model.contacts[c];
+        // Where contacts that stick determine it, without the rounding of their forces.
+        let velocity = |along: &Entries, guided: &Option<PowerSeries>| {
+            let is_summed = |&&(j, _): &&(usize, f64)| guided.is_none() || model.owner[j].is_some();
+            let terms = along.iter().filter(is_summed);
+            let terms = terms.map(|&(j, x)| x * coordinates[j].motion.velocity(k));
+            terms.sum::<f64>() + guided.as_ref().map_or(0.0, |guided| guided[k])
+        };
         if k == 0 {
             self.load_order(contact, coordinates, &[], 0);
             self.set_bounds(0, self.load[0] * self.limits[0]);
             self.friction[0] = self.limits[0];
         }
         self.load_order(contact, coordinates, &[], k + 1);
+        if self.guided_load.is_some() {
+            let rate = velocity(&contact.load_gradient, &self.guided_load);
+            self.load[k + 1] = self.drive_load[k + 1] + rate * INTEGRAL[k];
+        }
         let bound = if self.load_varies {
             self.load[k + 1] * self.limits[0]
         } else {
             0.0
         };
         self.set_bounds(k + 1, bound);
-        let velocity = match &self.guided {
-            Some(velocity) => velocity[k] - self.surface[k],
-            None => contact.along(|j| coordinates[j].motion.velocity(k)) - self.surface[k],
-        };
+        let velocity = velocity(&contact.direction, &self.guided) - self.surface[k];
         let carried = &mut self.memories[0];
         match self.mode {
             StepMode::Open => [carried[k], carried[k + 1]] = [0.0, 0.0],
@@ -152,14 +162,16 @@ impl ContactSeries {
     /// after order 0 of all velocities; and the first three of the load.
     pub(super) fn first_speeds(
         &mut self,
-        contact: &ContactData<'_>,
+        model: &Model<'_>,
+        c: usize,
         coordinates: &[CoordinateSeries],
         stiffness: f64,
     ) -> [f64; 2] {
-        self.elastic_order(contact, coordinates, stiffness, 1);
+        self.elastic_order(model, c, coordinates, stiffness, 1);
         if self.mode == StepMode::Slip {
             return [self.speeds[0], self.speeds[1]];
         }
+        let contact = &model.contacts[c];
         let velocity = |k: usize| contact.along(|j| coordinates[j].motion.velocity(k));
         [0, 1].map(|k| velocity(k) - self.surface[k])
     }
@@ -213,10 +225,13 @@ fn stop_held(model: &Model<'_>, situation: &mut Situation, series: &Series) -> b
         let Phase::Slip { speed, .. } = situation.contacts[c].phase else {
             continue;
         };
-        let sticks = |owner: usize| situation.contacts[owner].sticks();
-        let mut along = contact.direction.iter();
-        let is_held =
-            of.guided.is_some() || along.all(|&(j, _)| model.owner[j].is_some_and(sticks));
+        let is_held = contact
+            .direction
+            .iter()
+            .all(|&(j, _)| match model.owner[j] {
+                Some(owner) => situation.contacts[owner].sticks(),
+                None => of.guided.is_some(),
+            });
         let Some(stiffness) = contact
             .tangential_stiffness
             .filter(|_| is_held && speed > 0.0)

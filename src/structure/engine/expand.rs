@@ -183,7 +183,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
         _ if model.contacts[c].is_elastic() => {
             let state = &situation.contacts[c];
             let are_away = state.edge == Edge::Away && state.load_edge == Edge::Away;
-            of.guided.is_none() && are_away
+            of.guided.is_none() && of.guided_load.is_none() && are_away
         }
         StepMode::Stick => of.memories.is_empty() && !model.is_shared(c),
         StepMode::Slip | StepMode::Open => true,
@@ -271,7 +271,7 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         let (contact, of) = (&model.contacts[c], &mut contacts[c]);
         match contact.tangential_stiffness {
             Some(stiffness) => {
-                let speeds = of.first_speeds(contact, coordinates, stiffness);
+                let speeds = of.first_speeds(model, c, coordinates, stiffness);
                 let [stiffness, side] = match of.mode {
                     StepMode::Open => [0.0, 0.0],
                     StepMode::Stick => [stiffness, 1.0],
@@ -418,14 +418,20 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
         }
     }
     for &c in &model.springs {
-        series.contacts[c].guided = None;
+        let of = &mut series.contacts[c];
+        (of.guided, of.guided_load) = (None, None);
     }
-    for (c, parts) in &situation.guided {
-        let mut velocity = PowerSeries::ZERO;
-        for &(held_by, part) in parts {
-            velocity.add(part, &series.contacts[held_by].surface);
-        }
-        series.contacts[*c].guided = Some(velocity);
+    for guided in &situation.guided {
+        let velocity = |parts: &Vec<(usize, f64)>| {
+            let mut velocity = PowerSeries::ZERO;
+            for &(held_by, part) in parts {
+                velocity.add(part, &series.contacts[held_by].surface);
+            }
+            velocity
+        };
+        let [slip, load] = [&guided.slip, &guided.load].map(|x| x.as_ref().map(velocity));
+        let of = &mut series.contacts[guided.contact];
+        (of.guided, of.guided_load) = (slip, load);
     }
     spring_order(model, series, 0);
 }

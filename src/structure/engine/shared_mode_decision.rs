@@ -20,7 +20,7 @@ use super::model::Model;
 use super::redundant_contacts::{MOST_SUBSETS, Mechanism, Resting, TooMany};
 use super::rounding_scales::{contact_terms, load_terms};
 use super::series::Series;
-use super::state::{ContactState, Entry, Phase, Situation};
+use super::state::{ContactState, Entry, Guided, Phase, Situation};
 use super::stick_band_edge::{EDGE_ROUNDING, Edge, deciding_distance, side_of};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS};
@@ -300,12 +300,7 @@ impl Decision {
             situation.contacts[unknown.contact] = state;
         }
         situation.holding = resting.holding;
-        let elastic = model
-            .springs
-            .iter()
-            .filter(|&&c| model.contacts[c].is_elastic());
-        let parts = |&c: &usize| Some((c, model.dependence(c, &situation.holding)?));
-        situation.guided = elastic.filter_map(parts).collect();
+        situation.guided = guided_by(model, &situation.holding);
         Ok(())
     }
 
@@ -558,6 +553,24 @@ fn beyond_mechanisms(
     std::iter::zip(contacts.iter().copied(), beyond)
         .filter(|(_, beyond)| *beyond != 0.0)
         .collect()
+}
+
+/// The elastic contacts that these contacts guide.
+fn guided_by(model: &Model<'_>, holding: &Holding) -> Vec<Guided> {
+    let springs = model.springs.iter().copied();
+    let elastic = springs.filter(|&c| model.contacts[c].is_elastic());
+    let guided = elastic.filter_map(|contact| {
+        let of = &model.contacts[contact];
+        let [slip, load] =
+            [&of.direction, &of.load_gradient[..]].map(|x| model.guiding(x, holding));
+        let is_guided = slip.is_some() || load.is_some();
+        is_guided.then_some(Guided {
+            contact,
+            slip,
+            load,
+        })
+    });
+    guided.collect()
 }
 
 /// The error if a programme has no solution.

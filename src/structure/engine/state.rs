@@ -32,11 +32,20 @@ pub(super) struct Situation {
     pub(super) holding: Holding,
     /// The mechanisms of those that stick without a force of their own.
     pub(super) mechanisms: Vec<Mechanism>,
-    /// The elastic contacts whose directions depend on these, each with its parts α in
-    /// b = Σ α_c b_c: their relative velocities are those of the surfaces.
-    pub(super) guided: Vec<(usize, Vec<(usize, f64)>)>,
+    /// The elastic contacts that these guide.
+    pub(super) guided: Vec<Guided>,
     /// The shared contacts that are closed; `None` if they are not known.
     pub(super) closed: Option<Closed>,
+}
+
+/// An elastic contact whose slip or load depends on contacts that stick: the parts α in x = Σ α_c b_c
+/// of its direction b, and of the gradient n of its load, where there are some. Its relative
+/// velocity, and the rate of its load, are then those of the surfaces.
+#[derive(Debug, Clone)]
+pub(super) struct Guided {
+    pub(super) contact: usize,
+    pub(super) slip: Option<Vec<(usize, f64)>>,
+    pub(super) load: Option<Vec<(usize, f64)>>,
 }
 
 /// The shared contacts that are closed.
