@@ -3,10 +3,12 @@
 
 use approx::assert_abs_diff_eq;
 use stick_slip::structure::State;
-use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip};
+use stick_slip::{
+    Contact, ContactLaw, Drive, LuGre, Mode, Motion, RateState, Scalar, Slip, Structure,
+};
 
 use crate::common::bristles::{Block, Bristles, Radau, apart, follow};
-use crate::common::{Random, count, larger, one_mass};
+use crate::common::{Random, count, even, larger, one_mass};
 use crate::stiff_memory::Padded;
 
 /// LuGre's bristles, Dahl's, and a law of one's own that fades or has a bump; from soft to stiff,
@@ -188,4 +190,67 @@ fn a_limit_that_dips_at_rest_is_met() {
         println!("{released} {expected}");
         assert_abs_diff_eq!(released, expected, epsilon = 1e-12);
     }
+}
+
+/// A contact that never sticks, beside a joint that does: the joint holds it at rest, and it has no
+/// events of its own.
+#[test]
+fn contacts_that_others_hold_do_not_cross() {
+    let mut random = Random::new(93);
+    let mut uniform = |low, high| random.uniform(low, high);
+    let mut draws: Vec<[f64; 5]> = (0..count(12, 100))
+        .map(|_| {
+            let [a, b] = [0; 2].map(|_| uniform(0.5, 2.0));
+            [
+                a,
+                b,
+                uniform(0.5, 1.5),
+                uniform(0.2, 0.8),
+                uniform(-0.5, 0.5),
+            ]
+        })
+        .collect();
+    // Here rate-and-state friction could not decide in which direction it is at rest.
+    draws.push([
+        0.6225012313728265,
+        1.9161807356264384,
+        0.8766023957928147,
+        0.5169227077471096,
+        -0.1664601460105316,
+    ]);
+    let mut held = 0;
+    for (i, [a, b, frequency, u, v]) in draws.into_iter().enumerate() {
+        let force = Drive::harmonic(1.0, frequency, 0.0).unwrap();
+        let start = State::new(&[0.1, 0.0], &[u, v]);
+        let bristles = LuGre::new(even(0.3), 20.0, 0.2, 0.05);
+        let aging = RateState::aging(0.3, 0.1, 0.05, 0.3, 0.2);
+        let contacts = [
+            bristles.and_then(|law| Contact::between(0, 1, law, 0.5)),
+            aging.and_then(|law| Contact::between(0, 1, law, 0.5)),
+        ];
+        for (kind, contact) in contacts.into_iter().enumerate() {
+            let structure = Structure::new(&[a, b])
+                .and_then(|s| s.with_ground_spring(0, 1.0)?.with_spring(0, 1, 0.7))
+                .and_then(|s| s.with_force(0, force.clone()))
+                .and_then(|s| s.with_contact(Contact::between(0, 1, even(0.4), 1.0)?))
+                .and_then(|s| s.with_contact(Contact::new(1, even(0.4), 1.0)?))
+                .and_then(|s| s.with_contact(contact?))
+                .unwrap();
+            let motion = structure.simulate(start.clone(), 30.0);
+            let motion = motion.unwrap_or_else(|error| panic!("{i}, {kind}: {error}"));
+            let sticks = |time: f64| motion.mode_at(0, time) == Some(Mode::Stick);
+            for event in motion.events() {
+                let is_held = sticks(event.time - 1e-5) && sticks(event.time + 1e-5);
+                assert!(
+                    !(is_held && event.contact() == Some(2)),
+                    "{i}, {kind}: {} at {}",
+                    event.kind,
+                    event.time
+                );
+                held += usize::from(event.contact() == Some(0) && sticks(event.time + 1e-5));
+            }
+        }
+    }
+    println!("held {held} times");
+    assert!(held > 50);
 }

@@ -32,8 +32,8 @@ pub(super) struct ContactSeries {
     pub(super) speeds: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
-    /// Σ b_j v_j of an elastic contact, and Σ n_j v_j of its load, over coordinates without a
-    /// contact of their own, where contacts that stick determine them.
+    /// Σ b_j v_j, and Σ n_j v_j of the load, over coordinates without a contact of their own, where
+    /// contacts that stick determine them: see `Guided` in `state.rs`.
     pub(super) guided: Option<PowerSeries>,
     pub(super) guided_load: Option<PowerSeries>,
     /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips

@@ -417,7 +417,7 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
             series.coordinates[j].force = *given;
         }
     }
-    for &c in &model.springs {
+    for &c in model.springs.iter().chain(&model.shared) {
         let of = &mut series.contacts[c];
         (of.guided, of.guided_load) = (None, None);
     }

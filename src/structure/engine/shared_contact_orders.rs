@@ -64,7 +64,10 @@ pub(super) fn shared_order(
                 pull = 0.0;
             }
             let of = &mut series.contacts[c];
-            let equation = of.side * pull * INTEGRAL[k];
+            let equation = match &of.guided {
+                Some(guided) => of.side * (guided[k + 1] - of.surface[k + 1]),
+                None => of.side * pull * INTEGRAL[k],
+            };
             of.speeds[k + 1] = of.rate.filter(|_| k == 0).unwrap_or(equation);
         }
     }

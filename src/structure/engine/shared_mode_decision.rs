@@ -15,6 +15,7 @@
 
 use super::cholesky::Holding;
 use super::complementarity::{Choice, Unknown, Unsolved, evaluate, excess_of, hold, solve};
+use super::contact_data::Entries;
 use super::expand::free_accelerations;
 use super::model::Model;
 use super::redundant_contacts::{MOST_SUBSETS, Mechanism, Resting, TooMany};
@@ -300,7 +301,7 @@ impl Decision {
             situation.contacts[unknown.contact] = state;
         }
         situation.holding = resting.holding;
-        situation.guided = guided_by(model, &situation.holding);
+        situation.guided = guided(model, situation);
         Ok(())
     }
 
@@ -555,22 +556,31 @@ fn beyond_mechanisms(
         .collect()
 }
 
-/// The elastic contacts that these contacts guide.
-fn guided_by(model: &Model<'_>, holding: &Holding) -> Vec<Guided> {
-    let springs = model.springs.iter().copied();
-    let elastic = springs.filter(|&c| model.contacts[c].is_elastic());
-    let guided = elastic.filter_map(|contact| {
-        let of = &model.contacts[contact];
-        let [slip, load] =
-            [&of.direction, &of.load_gradient[..]].map(|x| model.guiding(x, holding));
+/// The contacts that those at rest guide.
+fn guided(model: &Model<'_>, situation: &Situation) -> Vec<Guided> {
+    let holding = &situation.holding;
+    let guided = |contact: usize, vectors: [&Entries; 2]| {
+        let [slip, load] = vectors.map(|x| model.guiding(x, holding));
         let is_guided = slip.is_some() || load.is_some();
         is_guided.then_some(Guided {
             contact,
             slip,
             load,
         })
+    };
+    let springs = model.springs.iter().copied();
+    let elastic = springs.filter_map(|c| {
+        let contact = &model.contacts[c];
+        let vectors = [&contact.direction, &contact.load_gradient[..]];
+        contact.is_elastic().then(|| guided(c, vectors))?
     });
-    guided.collect()
+    let shared = model.shared.iter().copied();
+    let passing = shared.filter_map(|c| {
+        let state = &situation.contacts[c];
+        let never_sticks = state.limits.is_none() && !state.phase_is_open();
+        (never_sticks && state.rests()).then(|| guided(c, [&model.contacts[c].direction, &[]]))?
+    });
+    elastic.chain(passing).collect()
 }
 
 /// The error if a programme has no solution.

@@ -32,15 +32,17 @@ pub(super) struct Situation {
     pub(super) holding: Holding,
     /// The mechanisms of those that stick without a force of their own.
     pub(super) mechanisms: Vec<Mechanism>,
-    /// The elastic contacts that these guide.
+    /// The contacts that these guide.
     pub(super) guided: Vec<Guided>,
     /// The shared contacts that are closed; `None` if they are not known.
     pub(super) closed: Option<Closed>,
 }
 
-/// An elastic contact whose slip or load depends on contacts that stick: the parts α in x = Σ α_c b_c
-/// of its direction b, and of the gradient n of its load, where there are some. Its relative
-/// velocity, and the rate of its load, are then those of the surfaces.
+/// A contact whose slip or load depends on contacts that stick: the parts α in x = Σ α_c b_c of its
+/// direction b, and of the gradient n of its load, where there are some. Its relative velocity, and
+/// the rate of its load, are then those of the surfaces. Elastic contacts, and the slip of those
+/// that never stick and are at rest: with the rounding of the forces that hold them, their sliders
+/// would start and stop, and their velocities cross 0, again and again.
 #[derive(Debug, Clone)]
 pub(super) struct Guided {
     pub(super) contact: usize,
