@@ -119,7 +119,7 @@ impl ContactSeries {
     pub(super) fn lift(&mut self, is_lifted: bool) {
         match (is_lifted, self.lifted.take()) {
             (true, None) => {
-                self.lifted = Some(std::mem::replace(&mut self.load, PowerSeries::ZERO))
+                self.lifted = Some(std::mem::replace(&mut self.load, PowerSeries::ZERO));
             }
             (false, Some(load)) => self.load = load,
             (_, lifted) => self.lifted = lifted,
