@@ -27,6 +27,9 @@ pub(super) struct HalfMap {
 pub(super) struct Balance {
     stiffness: DMatrix<f64>,
     forces: DVector<f64>,
+    /// Largest rounding error of each of these forces: a drive that returns with the other sign
+    /// leaves one.
+    rounding: DVector<f64>,
     /// The directions of force elements, along which the centre may not move: their laws are odd
     /// about it.
     directions: Vec<Vec<(usize, f64)>>,
@@ -39,6 +42,9 @@ const PLACES: usize = 12;
 
 /// Largest violation of a symmetry, in units of the sizes.
 const SYMMETRIC: f64 = 1e-7;
+
+/// Rounding errors of drives, in parts of their sizes.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Tolerance for a direction that the half-period map inverts.
 const INVERTED: f64 = 1e-4;
@@ -97,7 +103,13 @@ impl HalfMap {
             to.places.iter().map(|&place| self.shift[place]),
         );
         let held = (&to.stiffness - &from.stiffness) * centre;
-        let change = &to.forces - &from.forces - held;
+        let mut change = &to.forces - &from.forces - held;
+        let rounding = &from.rounding + &to.rounding;
+        change.zip_apply(&rounding, |change: &mut f64, rounding| {
+            if change.abs() <= rounding {
+                *change = 0.0;
+            }
+        });
         let mut moved = self.clone();
         if change.amax() != 0.0 {
             let by = least_norm(to.stiffness.clone(), &change, SINGULAR)?;
@@ -158,6 +170,7 @@ impl Balance {
         let all = n + model.first_order.len();
         let mut stiffness = DMatrix::zeros(all, all);
         let mut forces = DVector::zeros(all);
+        let mut sizes = DVector::zeros(all);
         let twice = |drive: &Drive| drive.value(0.0) + drive.value(0.5 * period);
         let rows = std::iter::zip(model.stiffness.rows(), model.inverse_mass.rows());
         for (i, ((own, beside), (mobility, mobilities))) in rows.enumerate() {
@@ -166,11 +179,13 @@ impl Balance {
             }
             for &(j, entry) in mobilities.iter().chain([&(i, mobility)]) {
                 forces[i] += entry * twice(&model.forces[j]);
+                sizes[i] += (entry * model.forces[j].size()).abs();
             }
         }
         for contact in &model.contacts {
             for &(i, reaction) in &contact.reaction {
                 forces[i] -= reaction * twice(&contact.load);
+                sizes[i] += (reaction * contact.load.size()).abs();
                 for &(j, gradient) in &contact.load_gradient {
                     stiffness[(i, j)] += reaction * gradient;
                 }
@@ -178,6 +193,7 @@ impl Balance {
         }
         for (state, row) in std::iter::zip(&model.first_order, n..) {
             forces[row] = state.scale * twice(&state.drive);
+            sizes[row] = (state.scale * state.drive.size()).abs();
         }
         first_order::subtract(&model.first_order, &mut stiffness, n);
         let elements = model.elements.iter();
@@ -185,6 +201,7 @@ impl Balance {
             places: (0..all).map(|j| model.position_row(j)).collect(),
             stiffness,
             forces,
+            rounding: sizes * ROUNDING,
             directions: elements
                 .flat_map(|element| element.directions.to_vec())
                 .collect(),

@@ -9,10 +9,10 @@ use stick_slip::orbit::{
     SpecialKind, follow, settle, shoot,
 };
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
+use stick_slip::{Contact, Coulomb, Drive, Error, ForceElement, PolynomialSpring, Structure};
 
 use crate::common::orbit::last_turn;
-use crate::common::{assert_met, count, larger, list, number, one_mass, text};
+use crate::common::{assert_met, count, larger, list, number, one_mass, some, text};
 use crate::reading::{cases, remembering, structure};
 
 /// A reference curve.
@@ -384,6 +384,46 @@ fn a_centre_that_moves_does_not_change_pitchforks() {
         let known = at(stiffness, end.parameters[0]);
         let error = (end.parameters[0] - known.parameter).abs();
         assert!(error < 1e-11, "{stiffness}: {error:e}");
+    }
+}
+
+/// Beside a force element, which has a centre of its own, the rounding error of a drive that returns
+/// with the other sign moves no centre: pitchforks do not depend on the phase of the drive.
+#[test]
+fn pitchforks_do_not_depend_on_the_phase() {
+    let pitchforks = |phase: f64| {
+        let family = |frequency: f64, limit: f64| {
+            let hardening = PolynomialSpring::new(&[0.0, 0.0, 0.26])?;
+            let slider = Contact::new(0, Coulomb::new(1.0, 1.0)?, limit)?;
+            let slider = slider.with_tangential_stiffness(0.75)?;
+            let force = Drive::harmonic(0.86, frequency, phase)?;
+            one_mass([1.19, 0.021, 0.875], force, slider)?
+                .with_element(ForceElement::new(0, hardening)?)
+        };
+        let system = family(0.6, 0.26).unwrap();
+        let motion = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(|first| family(first, 0.26), 0.6, &motion, 0.5..0.6).unwrap();
+        let found = branch.bifurcations.iter();
+        let found = found.map(|found| {
+            assert_eq!(found.kind, BifurcationKind::Pitchfork, "{phase}");
+            let ranges = [0.5..0.6, 0.25..0.27];
+            let locus = orbit::locus(family, found, 0.26, ranges).unwrap();
+            assert_eq!(locus.kind, LocusKind::Pitchfork);
+            assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+            found.parameter
+        });
+        let mut found: Vec<f64> = found.collect();
+        found.sort_by(f64::total_cmp);
+        found
+    };
+    let known = pitchforks(0.0);
+    assert_eq!(known.len(), 2);
+    for phase in some(2, [5.186772240635667, 0.3, 1.1, 2.9]) {
+        let found = pitchforks(phase);
+        assert_eq!(found.len(), 2);
+        for (found, known) in found.iter().zip(&known) {
+            assert!((found - known).abs() < 1e-11, "{phase}");
+        }
     }
 }
 
