@@ -387,6 +387,49 @@ fn a_centre_that_moves_does_not_change_pitchforks() {
     }
 }
 
+/// The force of an elastic contact that slips where the motions start is its limit, and changes with
+/// it. The curve over the limit does not depend on where they start, and its folds are those of
+/// `follow`.
+#[test]
+fn folds_do_not_depend_on_what_modes_impose_on_the_start() {
+    let shifted = |limit: f64, frequency: f64, phase: f64| {
+        let hardening = PolynomialSpring::new(&[0.0, 0.0, 0.3])?;
+        let slider = Contact::new(0, Coulomb::new(1.0, 1.0)?, limit)?;
+        let force = Drive::harmonic(0.6, frequency, phase)?;
+        one_mass(
+            [1.0, 0.03, 1.0],
+            force,
+            slider.with_tangential_stiffness(0.5)?,
+        )?
+        .with_element(ForceElement::new(0, hardening)?)
+    };
+    let ranges = [0.6..3.0, 0.17..0.23];
+    let folds = |limit: f64, phase: f64| {
+        let family = |frequency: f64| shifted(limit, frequency, phase);
+        let system = family(0.8).unwrap();
+        let motion = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(family, 0.8, &motion, ranges[0].clone()).unwrap();
+        let mut found = branch.bifurcations;
+        found.retain(|found| found.kind == BifurcationKind::Fold);
+        <[Bifurcation<State>; 2]>::try_from(found).unwrap()
+    };
+    let sides = [ranges[1].start, ranges[1].end];
+    let known = sides.map(|limit| folds(limit, 0.0).map(|fold| fold.parameter));
+    for phase in some(2, [0.0, 0.9, 1.8, 2.7]) {
+        let family = |frequency: f64, limit: f64| shifted(limit, frequency, phase);
+        for (i, fold) in folds(0.2, phase).iter().enumerate() {
+            let locus = orbit::locus(family, fold, 0.2, ranges.clone()).unwrap();
+            assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+            for (side, known) in sides.into_iter().zip(known) {
+                let mut ends = locus.points.iter();
+                let end = ends.find(|point| point.parameters[1] == side).unwrap();
+                let off = end.parameters[0] - known[i];
+                assert!(off.abs() < 1e-11, "{phase} {side}: {off:e}");
+            }
+        }
+    }
+}
+
 /// Beside a force element, which has a centre of its own, the rounding error of a drive that returns
 /// with the other sign moves no centre: pitchforks do not depend on the phase of the drive.
 #[test]

@@ -170,12 +170,8 @@ impl EventCurve<'_> {
 
     /// The residuals: closure, phase condition, and the scalar.
     fn residual_of(&self, y: &DVector<f64>, held: &Held) -> DVector<f64> {
-        let (order, begin) = (self.motions.order, &held.begin);
-        let mut residual = held.residual.component_div(&begin.sizes.rows(0, order));
-        if let Some(condition) = &begin.condition {
-            let missed = condition.missed_by(&y.rows(0, order).into_owned());
-            residual = residual.insert_row(order, missed);
-        }
+        let motion = (&held.start, &held.residual);
+        let residual = self.motions.residual(y, motion, &held.begin);
         let rows = residual.len();
         residual.insert_row(rows, held.scalar)
     }

@@ -282,10 +282,11 @@ impl<'f> Motions<'f> {
         }
         let events = events_of(&trial.map.steps);
         let beside = |step: f64| {
-            let beside = self.closing_trial(&(y + direction * step), begin).ok()?;
-            (events_of(&beside.map.steps) == events).then(|| MotionDerivatives {
-                by_start: self.by_start(&beside.map),
-                residual: beside.map.residual(),
+            let y = y + direction * step;
+            let map = self.closing_trial(&y, begin).ok()?.map;
+            (events_of(&map.steps) == events).then(|| MotionDerivatives {
+                by_start: self.by_start(&map),
+                residual: self.from_y(&y, &vector(&map.start, self.order), &map.residual()),
             })
         };
         let here = || MotionDerivatives {
@@ -315,18 +316,29 @@ impl<'f> Motions<'f> {
         })
     }
 
+    /// The residual of the start in y, from that of the motion from `start`, on which modes have
+    /// imposed velocities and forces. These change with parameters, and `start` − y is part of it.
+    fn from_y(
+        &self,
+        y: &DVector<f64>,
+        start: &DVector<f64>,
+        residual: &DVector<f64>,
+    ) -> DVector<f64> {
+        residual + start - y.rows(0, self.order)
+    }
+
     /// The residual of a closed motion, and that of the phase condition, in units of the sizes.
     pub(super) fn residual(
         &self,
         y: &DVector<f64>,
-        trial: &TrialMotion,
+        (start, residual): (&DVector<f64>, &DVector<f64>),
         begin: &FrozenStart,
     ) -> DVector<f64> {
-        let start = y.rows(0, self.order);
-        let mut residual = trial.map.residual();
+        let mut residual = self.from_y(y, start, residual);
         residual.component_div_assign(&begin.sizes.rows(0, self.order));
         if let Some(condition) = &begin.condition {
-            residual = residual.insert_row(self.order, condition.missed_by(&start.into_owned()));
+            let missed = condition.missed_by(&y.rows(0, self.order).into_owned());
+            residual = residual.insert_row(self.order, missed);
         }
         residual
     }

@@ -306,7 +306,9 @@ impl Equations for SmoothCurve<'_> {
     }
 
     fn residual(&self, y: &DVector<f64>, value: &Motion) -> DVector<f64> {
-        let closing = self.motions.residual(y, &value.trial, &value.begin);
+        let map = &value.trial.map;
+        let motion = (&vector(&map.start, self.motions.order), &map.residual());
+        let closing = self.motions.residual(y, motion, &value.begin);
         let scalars = value.bordered.scalars.iter().copied();
         let numbers: Vec<f64> = closing.iter().copied().chain(scalars).collect();
         DVector::from_vec(numbers)
