@@ -15,7 +15,7 @@ use stick_slip::{
     bifurcation, limit_cycle,
 };
 
-use crate::common::{larger, list, number, some, text};
+use crate::common::{larger, list, number, one_mass, some, text};
 use crate::loci::{compare, curve, has_special, member, parameters};
 
 /// Relative error promised for parameters, where they are well conditioned.
@@ -258,6 +258,42 @@ fn stops_without_damping_begin_at_the_turns_above_half_of_the_frequency() {
             let [frequency, friction] = point.parameters;
             let off = friction - known(frequency);
             assert!(off.abs() < 1e-10, "{off:e} at {frequency}");
+        }
+    }
+}
+
+/// At the onset a mass may cross the belt's velocity and arrive again at once, from the other side:
+/// the curve is that of the first arrival, and meets the onsets of `follow`. With these digits, the
+/// first motion of the curve does arrive again.
+#[test]
+fn stops_begin_where_a_mass_arrives_twice() {
+    const MASS: [f64; 3] = [1.5121236713213477, 0.020503563401108763, 1.090516417752021];
+    const FRICTION: f64 = 0.4821848972389353;
+    const FREQUENCY: f64 = 1.4680450371880323;
+    const BELT: f64 = 0.17864841628308548;
+    const LOAD: f64 = 0.5336937627235221;
+    let family = |force: f64, load: f64| {
+        let contact = Contact::new(0, Coulomb::new(FRICTION, FRICTION)?, load)?.on_belt(BELT);
+        one_mass(MASS, Drive::harmonic(force, FREQUENCY, 0.0)?, contact)
+    };
+    let onsets = |load: f64| {
+        let system = family(1.0, load).unwrap();
+        let motion = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(|force| family(force, load), 1.0, &motion, 0.2..3.0).unwrap();
+        let mut found = branch.bifurcations;
+        found.retain(|found| found.kind == BifurcationKind::Sequence);
+        <[Bifurcation<State>; 2]>::try_from(found).unwrap()
+    };
+    let [low, middle, high] = [0.45, LOAD, 0.6].map(onsets);
+    for (i, onset) in middle.iter().enumerate() {
+        let locus = orbit::locus(family, onset, LOAD, [0.2..3.0, 0.45..0.6]).unwrap();
+        assert_eq!(locus.kind, LocusKind::StopOnset { contact: 0 });
+        assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+        for (load, known) in [(0.45, &low[i]), (0.6, &high[i])] {
+            let mut ends = locus.points.iter();
+            let end = ends.find(|point| point.parameters[1] == load).unwrap();
+            let off = end.parameters[0] - known.parameter;
+            assert!(off.abs() < ACCURACY, "{load}: {off:e}");
         }
     }
 }

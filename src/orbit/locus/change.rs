@@ -7,7 +7,7 @@ use super::super::prescribed_modes::{Hold, Then, minima_in_slip, minimum_behind,
 use super::super::shooting_residual::TrialMotion;
 use super::super::type_erased_system::GeneralForm;
 use super::super::variational_equations::load_at_end;
-use super::super::watched_event::Mark;
+use super::super::watched_event::{Mark, MarkKind};
 use super::found::LocusKind;
 use crate::error::Element;
 use crate::motion::{Event, EventKind, Mode, Segment};
@@ -243,7 +243,7 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
     let events = events.filter(|(_, event)| event.time > begins);
     let events = events.filter_map(|(step, event)| Some((step, event, event.contact()?)));
     let events: Vec<_> = events.collect();
-    let mark = |(event, contact): (&Event<State>, usize), kind: Option<EventKind>| Mark {
+    let mark = |(event, contact): (&Event<State>, usize), kind: MarkKind| Mark {
         contact,
         kind,
         since: event.time - begins,
@@ -258,7 +258,14 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
     };
     let arrivals = events.iter().filter_map(|&(step, event, contact)| {
         let margin = margin(form, step, event)?;
-        Some((contact, margin, mark((event, contact), None)))
+        let Mode::Slip(side) = step.modes()[contact] else {
+            return None;
+        };
+        Some((
+            contact,
+            margin,
+            mark((event, contact), MarkKind::Arrival(side)),
+        ))
     });
     let mut arrivals: Vec<_> = arrivals.collect();
     sort_by(&mut arrivals, |arrival| arrival.1.abs());
@@ -285,7 +292,9 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
                 contacts: [a.1, b.1],
             },
             holds: Vec::new(),
-            marks: vec![mark(a, Some(a.0.kind)), mark(b, Some(b.0.kind))],
+            marks: [a, b]
+                .map(|event| mark(event, MarkKind::Event(event.0.kind)))
+                .into(),
             size: (a.0.time - b.0.time).abs() / period,
         }
     });
