@@ -270,8 +270,8 @@ fn a_contact_cools_while_it_is_open() {
     assert!(closings.get() > 500, "{closings:?}");
 }
 
-/// Slip begins with the friction of the memory that the law gives it: of a contact alone, and of one
-/// on masses that share it.
+/// Slip begins with the friction of the memory that the law gives it: of a contact alone, and of
+/// one on masses that share it.
 #[test]
 fn slip_begins_with_the_friction_of_its_memory() {
     let slips = Cell::new(0);
