@@ -284,12 +284,12 @@ fn stops_begin_where_a_mass_arrives_twice() {
         found.retain(|found| found.kind == BifurcationKind::Sequence);
         <[Bifurcation<State>; 2]>::try_from(found).unwrap()
     };
-    let [low, middle, high] = [0.45, LOAD, 0.6].map(onsets);
+    let [low, middle, high] = [0.4, LOAD, 0.7].map(onsets);
     for (i, onset) in middle.iter().enumerate() {
-        let locus = orbit::locus(family, onset, LOAD, [0.2..3.0, 0.45..0.6]).unwrap();
+        let locus = orbit::locus(family, onset, LOAD, [0.2..3.0, 0.4..0.7]).unwrap();
         assert_eq!(locus.kind, LocusKind::StopOnset { contact: 0 });
         assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
-        for (load, known) in [(0.45, &low[i]), (0.6, &high[i])] {
+        for (load, known) in [(0.4, &low[i]), (0.7, &high[i])] {
             let mut ends = locus.points.iter();
             let end = ends.find(|point| point.parameters[1] == load).unwrap();
             let off = end.parameters[0] - known.parameter;
