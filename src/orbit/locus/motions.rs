@@ -286,7 +286,7 @@ impl<'f> Motions<'f> {
             let map = self.closing_trial(&y, begin).ok()?.map;
             (events_of(&map.steps) == events).then(|| MotionDerivatives {
                 by_start: self.by_start(&map),
-                residual: self.from_y(&y, &vector(&map.start, self.order), &map.residual()),
+                residual: self.residual_of_y(&y, &vector(&map.start, self.order), &map.residual()),
             })
         };
         let here = || MotionDerivatives {
@@ -318,7 +318,7 @@ impl<'f> Motions<'f> {
 
     /// The residual of the start in y, from that of the motion from `start`, on which modes have
     /// imposed velocities and forces. These change with parameters, and `start` − y is part of it.
-    fn from_y(
+    fn residual_of_y(
         &self,
         y: &DVector<f64>,
         start: &DVector<f64>,
@@ -334,7 +334,7 @@ impl<'f> Motions<'f> {
         (start, residual): (&DVector<f64>, &DVector<f64>),
         begin: &FrozenStart,
     ) -> DVector<f64> {
-        let mut residual = self.from_y(y, start, residual);
+        let mut residual = self.residual_of_y(y, start, residual);
         residual.component_div_assign(&begin.sizes.rows(0, self.order));
         if let Some(condition) = &begin.condition {
             let missed = condition.missed_by(&y.rows(0, self.order).into_owned());
