@@ -387,8 +387,8 @@ fn a_centre_that_moves_does_not_change_pitchforks() {
     }
 }
 
-/// The force of an elastic contact that slips where the motions start is its limit, and changes with
-/// it. The curve over the limit does not depend on where they start, and its folds are those of
+/// The force of an elastic contact that slips where the motions start is its limit, and changes
+/// with it. The curve over the limit does not depend on where they start, and its folds are those of
 /// `follow`.
 #[test]
 fn folds_do_not_depend_on_what_modes_impose_on_the_start() {

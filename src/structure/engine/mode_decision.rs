@@ -497,10 +497,10 @@ fn revise_stick(
     let Some((side, beyond)) = release else {
         return false;
     };
-    let coefficient = state.start_coefficient(contact.law, side);
-    let jump = of.bound(side)[0] - of.load[0] * side.sign() * coefficient;
     // μ̂(0) may exceed μ_s by an ulp.
-    state.begin_slip(contact.law, side, Some(beyond + jump.max(0.0)));
+    let surplus = |coefficient: f64| of.bound(side)[0] - of.load[0] * side.sign() * coefficient;
+    let rate = |coefficient: f64| beyond + surplus(coefficient).max(0.0);
+    state.begin_slip(contact.law, side, rate);
     state.entry = Entry::Held;
     true
 }

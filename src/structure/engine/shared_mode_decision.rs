@@ -294,7 +294,7 @@ impl Decision {
                     series.contacts[unknown.contact].carried = PowerSeries::ZERO;
                 }
                 Some((side, rate)) => {
-                    state.begin_slip(contact.law, side, Some(rate));
+                    state.begin_slip(contact.law, side, |_| rate);
                     state.entry = Entry::Held;
                 }
             }

@@ -388,13 +388,8 @@ impl ContactState {
 
     /// μ at the start of slip in a direction, signed as r.
     pub(super) fn start_coefficient(&self, law: &dyn LawObject, side: Direction) -> f64 {
-        let slip = Slip {
-            speed: 0.0,
-            direction: side.sign(),
-            piece: 0,
-        };
         let memory = self.memory_in_slip(law);
-        law.coefficient(slip, &|j| memory[j])
+        law.coefficient(beginning(side), &|j| memory[j])
     }
 
     /// A contact that never sticks passes through r = 0.
@@ -407,14 +402,34 @@ impl ContactState {
         };
     }
 
-    /// Slip begins at r = 0, from stick or on the way through.
-    pub(super) fn begin_slip(&mut self, law: &dyn LawObject, side: Direction, rate: Option<f64>) {
-        self.memory = self.memory_in_slip(law).into_owned();
+    /// Slip begins at r = 0, from stick or on the way through, at a rate that may depend on μ
+    /// there.
+    pub(super) fn begin_slip(
+        &mut self,
+        law: &dyn LawObject,
+        side: Direction,
+        rate: impl FnOnce(f64) -> f64,
+    ) {
+        match self.entry {
+            _ if self.limits.is_none() => {}
+            Entry::Arrived(Some(_)) => self.memory.clone_from(&self.arrival_memory),
+            _ => law.caught(&mut self.memory),
+        }
+        let coefficient = law.coefficient(beginning(side), &|j| self.memory[j]);
         self.phase = Phase::Slip {
             direction: side,
             speed: 0.0,
-            rate,
+            rate: Some(rate(coefficient)),
             piece: 0,
         };
+    }
+}
+
+/// The argument of a law where slip begins.
+fn beginning(side: Direction) -> Slip<f64> {
+    Slip {
+        speed: 0.0,
+        direction: side.sign(),
+        piece: 0,
     }
 }
