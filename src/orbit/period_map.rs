@@ -177,6 +177,17 @@ impl PeriodMap {
             .amax()
     }
 
+    /// The largest residual, with memory variables also in units of their errors in the motion
+    /// before: one that only decays shrinks from trial to trial, and its units with it.
+    pub(super) fn miss_after(&self, before: &Self) -> f64 {
+        let mut units = self.units_of_errors();
+        let first = 2 * self.start.displacements.len();
+        for (unit, earlier) in std::iter::zip(&mut units, &before.units_of_errors()).skip(first) {
+            *unit = unit.max(*earlier);
+        }
+        self.residual().component_div(&units).amax()
+    }
+
     /// The sizes of the numbers whose rounding errors each number has: its own, and where a contact
     /// never slips those of the displacements that it follows.
     pub(super) fn units_of_errors(&self) -> DVector<f64> {

@@ -233,7 +233,7 @@ impl<'s> Problem<'s> {
                 let tried = self.trial(&start, best.period + part * longer);
                 let enough = (1.0 - 0.25 * part) * best.residual;
                 match tried {
-                    Ok(tried) if tried.residual < enough => break Some(tried),
+                    Ok(tried) if tried.map.miss_after(&best.map) < enough => break Some(tried),
                     _ if closed || part <= LEAST_PART => break None,
                     _ => part *= 0.5,
                 }
