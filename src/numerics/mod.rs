@@ -30,7 +30,7 @@ pub(crate) mod exponential;
 pub(crate) mod fourier;
 pub(crate) mod gauss;
 pub(crate) mod interpolation;
-#[cfg(feature = "orbits")]
+#[cfg(feature = "structures")]
 pub(crate) mod least_norm;
 pub(crate) mod roots_with_slopes;
 pub(crate) mod scan;

@@ -434,7 +434,7 @@ fn revise_mode(
                 return revise_stick(model, situation, series, [c, i], may_jump);
             }
             // Its law alone gives the force at r = 0, the same on both sides.
-            let coefficient = state.start_coefficient(contact.law, Direction::Leading);
+            let coefficient = state.coefficient_at_rest(contact.law, Direction::Leading);
             let rate = of.carried[0] - of.load[0] * coefficient;
             let direction = side_of(if rate == 0.0 { state.back() } else { rate });
             state.pass_through(direction);

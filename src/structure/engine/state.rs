@@ -1,7 +1,5 @@
 //! The situation: data that change at events.
 
-use std::borrow::Cow;
-
 use super::cholesky::{Holding, Pivot};
 use super::contact_data::ContactData;
 use super::element_events::ElementState;
@@ -372,24 +370,31 @@ impl ContactState {
         matches!(self.entry, Entry::Arrived(_))
     }
 
-    /// The memory with which slip would begin: as it was when the contact came to r = 0, or what
+    /// Sets the memory with which slip begins: as it was when the contact came to r = 0, or what
     /// the law makes of that of stick.
-    fn memory_in_slip(&self, law: &dyn LawObject) -> Cow<'_, [f64]> {
+    fn remember_for_slip(&mut self, law: &dyn LawObject) {
         match self.entry {
-            _ if self.limits.is_none() => Cow::Borrowed(&self.memory),
-            Entry::Arrived(Some(_)) => Cow::Borrowed(&self.arrival_memory),
-            _ => {
-                let mut memory = self.memory.clone();
-                law.caught(&mut memory);
-                Cow::Owned(memory)
-            }
+            _ if self.limits.is_none() => {}
+            Entry::Arrived(Some(_)) => self.memory.clone_from(&self.arrival_memory),
+            _ => law.caught(&mut self.memory),
         }
+    }
+
+    /// μ at r = 0 in a direction with the present memory, signed as r.
+    pub(super) fn coefficient_at_rest(&self, law: &dyn LawObject, side: Direction) -> f64 {
+        let slip = Slip {
+            speed: 0.0,
+            direction: side.sign(),
+            piece: 0,
+        };
+        law.coefficient(slip, &|j| self.memory[j])
     }
 
     /// μ at the start of slip in a direction, signed as r.
     pub(super) fn start_coefficient(&self, law: &dyn LawObject, side: Direction) -> f64 {
-        let memory = self.memory_in_slip(law);
-        law.coefficient(beginning(side), &|j| memory[j])
+        let mut slipping = self.clone();
+        slipping.remember_for_slip(law);
+        slipping.coefficient_at_rest(law, side)
     }
 
     /// A contact that never sticks passes through r = 0.
@@ -410,26 +415,13 @@ impl ContactState {
         side: Direction,
         rate: impl FnOnce(f64) -> f64,
     ) {
-        match self.entry {
-            _ if self.limits.is_none() => {}
-            Entry::Arrived(Some(_)) => self.memory.clone_from(&self.arrival_memory),
-            _ => law.caught(&mut self.memory),
-        }
-        let coefficient = law.coefficient(beginning(side), &|j| self.memory[j]);
+        self.remember_for_slip(law);
+        let coefficient = self.coefficient_at_rest(law, side);
         self.phase = Phase::Slip {
             direction: side,
             speed: 0.0,
             rate: Some(rate(coefficient)),
             piece: 0,
         };
-    }
-}
-
-/// The argument of a law where slip begins.
-fn beginning(side: Direction) -> Slip<f64> {
-    Slip {
-        speed: 0.0,
-        direction: side.sign(),
-        piece: 0,
     }
 }
