@@ -388,8 +388,8 @@ fn a_centre_that_moves_does_not_change_pitchforks() {
 }
 
 /// The force of an elastic contact that slips where the motions start is its limit, and changes
-/// with it. The curve over the limit does not depend on where they start, and its folds are those of
-/// `follow`.
+/// with it. The curve over the limit does not depend on where they start, and its folds are those
+/// of `follow`.
 #[test]
 fn folds_do_not_depend_on_what_modes_impose_on_the_start() {
     let shifted = |limit: f64, frequency: f64, phase: f64| {
@@ -430,8 +430,8 @@ fn folds_do_not_depend_on_what_modes_impose_on_the_start() {
     }
 }
 
-/// Beside a force element, which has a centre of its own, the rounding error of a drive that returns
-/// with the other sign moves no centre: pitchforks do not depend on the phase of the drive.
+/// Beside a force element, which has a centre of its own, the rounding error of a drive that
+/// returns with the other sign moves no centre: pitchforks do not depend on the phase of the drive.
 #[test]
 fn pitchforks_do_not_depend_on_the_phase() {
     let pitchforks = |phase: f64| {
