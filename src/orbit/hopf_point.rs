@@ -51,19 +51,25 @@ pub(super) fn hopf_point(
     }
     let mut last = (near, first);
     let mut next = near + INCREMENT * unit;
+    // Of stiff contacts an eigenvalue may have a rounding error at which no step ends.
+    let mut best = last;
     for _ in 0..MOST_STEPS {
         let value = nearest(next, Some(last.1))?;
+        if value.re.abs() < best.1.re.abs() {
+            best = (next, value);
+        }
         let step = -value.re * (next - last.0) / (value.re - last.1.re);
         let is_done =
             value.re.abs() <= f64::EPSILON * value.im || step.abs() <= f64::EPSILON * next.abs();
-        if is_done && value.re.abs() <= ROUNDING * value.im {
-            return Ok((next, value.im));
-        }
-        if !(step.is_finite() && (next + step - near).abs() <= unit) {
+        if is_done || !(step.is_finite() && (next + step - near).abs() <= unit) {
             break;
         }
         last = (next, value);
         next += step;
     }
-    Err(none())
+    let (parameter, value) = best;
+    if value.re.abs() > ROUNDING * value.im {
+        return Err(none());
+    }
+    Ok((parameter, value.im))
 }

@@ -166,7 +166,7 @@ fn a_weak_joint_slips_further_along_the_branch() {
 fn curves_are_those_of_the_constrained_structure() {
     let mut random = Random::new(417);
     let mut found = 0;
-    for case in 0..count(4, 12) {
+    for case in 0..count(4, 24) {
         let mut some = |from: f64, to: f64| random.uniform(from, to);
         let masses = DMatrix::from_diagonal(&DVector::from_fn(3, |_, _| some(0.5, 2.0)));
         let mut symmetric = |own: f64, beside: f64| {
