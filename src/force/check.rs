@@ -74,12 +74,14 @@ fn check_potential(
     let Some(energy) = law.potential(place) else {
         return Ok(());
     };
-    for (i, (force, x)) in std::iter::zip(law.forces(place), positions).enumerate() {
+    for (i, (force, x)) in std::iter::zip(&law.forces(place), positions).enumerate() {
         let slope = law.potential_slope(place, i).unwrap_or(f64::NAN);
         if !force.is_finite() {
             continue;
         }
-        let scale = force.abs().max((energy / x).abs());
+        // Where a law oscillates many times between 0 and x, rounding is that of x F'.
+        let sizes = [*force, energy / x, x * law.slopes(place, i)[i]].map(f64::abs);
+        let scale = sizes.into_iter().fold(0.0, f64::max);
         let agrees = energy.is_finite() && (slope - force).abs() <= JUMP * scale;
         let allowed = "the force at rest: F = dU/dx";
         Error::check("ForceLaw", "slope of the potential", slope, agrees, allowed)?;

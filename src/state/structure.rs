@@ -103,7 +103,8 @@ impl State {
     /// Sets the relative velocity r of a contact. As the difference b·v − w(t) it has lost digits
     /// where the contact creeps: beside a plate that moves at 1e-9 m/s, a speed of 1e-12 m/s has 13
     /// digits left. The given number has all of them, and wins: at the start of a motion the
-    /// velocities v are changed until b·v − w = r, by the change of least kinetic energy.
+    /// velocities v are changed until b·v − w = r, by the change of least kinetic energy. Other
+    /// contacts that are at rest stay at rest, unless r does not allow it.
     ///
     /// ```
     /// use stick_slip::{Contact, RateState, Structure, structure::State};

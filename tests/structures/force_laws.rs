@@ -349,3 +349,15 @@ fn points_of_a_table_of_forces_are_checked() {
         assert_eq!((index, name), (fault, fault_name), "{points:?}");
     }
 }
+
+/// At the positions where a potential is compared with its force, a short pendulum has turned over
+/// many times.
+#[test]
+fn pendulums_of_any_length_are_elements() {
+    for exponent in -12..=12 {
+        let length = 1.7 * 10_f64.powi(exponent);
+        let pendulum = Pendulum::new(9.81, length).unwrap();
+        let element = ForceElement::new(0, pendulum);
+        assert!(element.is_ok(), "length {length}: {element:?}");
+    }
+}

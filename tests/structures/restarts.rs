@@ -3,7 +3,7 @@
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, Event, EventKind, Exponential,
-    Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, Segment, Structure, Trajectory,
+    Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, RateState, Segment, Structure, Trajectory,
 };
 
 use crate::common::{Random, apart, count, forces, larger, one_mass};
@@ -628,4 +628,35 @@ fn a_state_after_many_periods_is_a_start_at_time_zero() {
         }
     }
     assert!(beyond >= cases / 20, "{beyond}");
+}
+
+/// Of a chain of blocks on one belt, the first creeps and the others stick to each other: the given
+/// creep of the first leaves them at rest on each other.
+#[test]
+fn masses_at_rest_beside_a_creeping_contact_stay_at_rest() {
+    let dry = Coulomb::new(0.6, 0.4).unwrap();
+    let creeping = RateState::aging(0.6, 0.01, 0.015, 0.3, 0.1).unwrap();
+    let structure = Structure::new(&[1.0, 1.3, 0.7])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_contact(Contact::new(0, creeping, 1.0)?.on_belt(0.1)))
+        .and_then(|s| s.with_contact(Contact::between(1, 0, dry, 10.0)?))
+        .and_then(|s| s.with_contact(Contact::between(2, 1, dry, 10.0)?))
+        .unwrap();
+    for creep in [-1e-12, 3e-7, -0.02] {
+        let start = State::new(&[0.0; 3], &[0.1; 3])
+            .with_memory(&[0.4])
+            .with_sliding(0, creep);
+        let motion = structure.simulate(start, 1.0).unwrap();
+        let velocity = 0.1 + creep;
+        let first = motion.state_at(0.0).unwrap();
+        for contact in [1, 2] {
+            let mode = motion.mode_at(contact, 0.0);
+            assert_eq!(mode, Some(Mode::Stick), "creep {creep}, contact {contact}");
+        }
+        for v in &first.velocities {
+            assert!((v - velocity).abs() <= 1e-16, "creep {creep}: {v}");
+        }
+        let mut contacts = motion.events().iter().map(Event::contact);
+        assert!(contacts.all(|c| c == Some(0)), "creep {creep}");
+    }
 }

@@ -260,7 +260,7 @@ pub(super) fn set_phase(model: &Model<'_>, situation: &mut Situation, c: usize, 
 }
 
 /// Gives contacts at the start of a motion these relative velocities, and changes the velocities of
-/// the coordinates accordingly.
+/// the coordinates accordingly. Other contacts at rest stay at rest where their directions allow it.
 pub(super) fn slide(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -273,11 +273,14 @@ pub(super) fn slide(
         check_way(situation, c, relative)?;
         set_phase(model, situation, c, relative);
     }
-    let shared = given.iter().filter(|&&(c, _)| model.is_shared(c));
-    let holding = model.independent(shared.map(|&(c, _)| c).collect(), &|_| 0.0);
+    let place = |c: usize| given.binary_search_by_key(&c, |&(c, _)| c);
+    let rests = |&c: &usize| place(c).is_err() && situation.contacts[c].sticks();
+    let resting: Vec<usize> = model.shared.iter().copied().filter(rests).collect();
+    let shared = given.iter().map(|&(c, _)| c);
+    let shared = shared.filter(|&c| model.is_shared(c));
+    let holding = model.independent(shared.chain(resting.iter().copied()).collect(), &|_| 0.0);
     let relative_to = |c: usize| {
-        let place = given.binary_search_by_key(&c, |&(c, _)| c);
-        let relative = place.map_or(0.0, |place| given[place].1);
+        let relative = place(c).map_or(0.0, |place| given[place].1);
         relative + series.contacts[c].surface[0]
     };
     let along = |situation: &Situation, c: usize| {
@@ -288,17 +291,19 @@ pub(super) fn slide(
     for (j, correction) in corrections {
         situation.coordinates[j].velocity -= correction;
     }
-    for &(c, relative) in given.iter().filter(|&&(c, _)| model.is_shared(c)) {
+    let is_met = |c: usize| {
         let size = model.contacts[c].size_along(|j| situation.coordinates[j].velocity);
         let apart = (along(situation, c) - relative_to(c)).abs();
-        let is_possible = apart <= ROUNDING * (size + relative_to(c).abs());
+        apart <= ROUNDING * (size + relative_to(c).abs())
+    };
+    for &(c, relative) in given.iter().filter(|&&(c, _)| model.is_shared(c)) {
         let allowed = "what the relative velocities of contacts with dependent directions allow";
-        Error::check("State", "sliding", relative, is_possible, allowed)?;
+        Error::check("State", "sliding", relative, is_met(c), allowed)?;
     }
-    for c in 0..model.contacts.len() {
-        if given.binary_search_by_key(&c, |&(c, _)| c).is_err() {
-            begin(model, situation, series, c)?;
-        }
+    let is_set = |&c: &usize| place(c).is_ok() || resting.contains(&c) && is_met(c);
+    let others: Vec<usize> = (0..model.contacts.len()).filter(|c| !is_set(c)).collect();
+    for c in others {
+        begin(model, situation, series, c)?;
     }
     Ok(())
 }
