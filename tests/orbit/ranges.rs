@@ -537,3 +537,19 @@ fn what_is_reached_from_rest_is_reported() {
         assert!(range.attractors.contains(&AttractorKind::SteadySliding));
     }
 }
+
+/// A drill string turns: its motions are found at other angles from every start.
+#[test]
+fn a_turning_shaft_has_one_branch() {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let string = |speed: f64| -> Result<Structure, Error> {
+        Structure::new(&[2.0, 1.0])?
+            .with_spring(0, 1, 1.0)?
+            .with_ground_damper(0, 0.5)?
+            .with_force(0, 0.5 * speed)?
+            .with_contact(Contact::new(1, law, 1.0)?)
+    };
+    let found = vibration_ranges(string, 0.8..2.4).unwrap();
+    show(&found);
+    assert_eq!(found.branches.len(), 1);
+}

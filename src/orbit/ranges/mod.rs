@@ -86,8 +86,12 @@ const SMALL: f64 = 1e-3;
 /// its middle, in up to three rounds. If no branch explains such a motion, only its kind is
 /// entered.
 ///
+/// All starts from rest have displacements and states of 0. A controller whose set point is far
+/// from there starts far from its steady state; measure displacements from the set point.
+///
 /// The work is 17 motions upward, downward and from rest, and one [`follow`](super::follow()) for
-/// each branch: seconds for a few masses, tens of seconds for a dozen masses.
+/// each branch: seconds for a few masses, tens of seconds for a dozen masses, minutes where a branch
+/// folds hundreds of times.
 /// [`Search::vibration_ranges`] sets a bound of the work, and accepts a watcher, a function that
 /// can stop the search. For a mass on a belt of constant velocity,
 /// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and calls
@@ -269,11 +273,14 @@ impl Search<'_> {
         range: &Range<f64>,
         branches: &mut Vec<Branch<S::State>>,
     ) {
-        if !branches
-            .iter()
-            .any(|branch| is_on(branch, parameter, orbit))
+        let Ok(system) = family(parameter) else {
+            return;
+        };
+        let form = system.form();
+        let mut known = branches.iter();
+        if !known.any(|branch| is_on(&form, branch, parameter, orbit))
             && let Ok(branch) = self.follow(family, parameter, orbit, range.clone())
-            && !branches.iter().any(|known| is_same(known, &branch))
+            && !branches.iter().any(|known| is_same(&form, known, &branch))
         {
             branches.push(branch);
         }

@@ -156,11 +156,18 @@ fn nearest<S: SystemState>(orbit: &Orbit<S>, apart: impl Fn(f64) -> f64) -> f64 
 }
 
 /// Returns true if a motion belongs to a branch: its numbers lie between those of neighbouring
-/// points.
-pub(super) fn is_on<S: SystemState>(branch: &Branch<S>, parameter: f64, orbit: &Orbit<S>) -> bool {
+/// points, wherever a translation that no force depends on has put them.
+pub(super) fn is_on<S: SystemState>(
+    form: &GeneralForm<'_>,
+    branch: &Branch<S>,
+    parameter: f64,
+    orbit: &Orbit<S>,
+) -> bool {
     let numbers = |orbit: &Orbit<S>| -> Vec<f64> {
-        let extremes = extremes(orbit).into_iter();
-        extremes.flat_map(|(least, most)| [least, most]).collect()
+        let (mut least, mut most): (Vec<f64>, Vec<f64>) = extremes(orbit).into_iter().unzip();
+        form.untranslated(&mut least);
+        form.untranslated(&mut most);
+        [least, most].concat()
     };
     let (own, extent) = (numbers(orbit), extent(orbit));
     branch.points.windows(2).any(|pair| {
@@ -182,17 +189,22 @@ pub(super) fn is_on<S: SystemState>(branch: &Branch<S>, parameter: f64, orbit: &
 }
 
 /// Returns true if most of some motions of a branch belong to another one.
-pub(super) fn is_same<S: SystemState>(known: &Branch<S>, branch: &Branch<S>) -> bool {
+pub(super) fn is_same<S: SystemState>(
+    form: &GeneralForm<'_>,
+    known: &Branch<S>,
+    branch: &Branch<S>,
+) -> bool {
     const TRIED: usize = 9;
     let count = branch.points.len();
     let tried = (0..TRIED).filter_map(|i| branch.points.get(count * (i + 1) / (TRIED + 1)));
-    let same = tried.filter(|point| is_on(known, point.parameter, &point.orbit));
+    let same = tried.filter(|point| is_on(form, known, point.parameter, &point.orbit));
     2 * same.count() > TRIED
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::follow::follow;
+    use super::super::super::oscillator::FamilyMember as _;
     use super::super::super::shoot::{settle, shoot};
     use super::*;
     use crate::belt::MassOnBelt;
@@ -220,8 +232,9 @@ mod tests {
             let nearest = beyond.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
             let other = shoot(&belt, &nearest.orbit.state(), nearest.orbit.kind()).unwrap();
             assert!(stable.is_stable() && !other.is_stable());
-            assert!(is_on(&branch, 0.805, &stable), "{unit}");
-            assert!(!is_on(&branch, 0.805, &other), "{unit}");
+            let form = belt.form();
+            assert!(is_on(&form, &branch, 0.805, &stable), "{unit}");
+            assert!(!is_on(&form, &branch, 0.805, &other), "{unit}");
         }
     }
 
