@@ -48,7 +48,7 @@
 //! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`; optional: `damping` (0), `load` (1) | yes |
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`; optional: `memory`, and `sliding` as a list of [contact, relative velocity] (empty lists) | yes |
-//! | [`Drive`](crate::Drive) | all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value]; a drive with a function of your own is not written | yes |
+//! | [`Drive`](crate::Drive) | a number if it is constant (only read); or a map, all optional: `constant` (0); `harmonics` (none): a list of maps with `angular_frequency`, `cosine` and `sine`; `profiles` (none): a list of profiles, each a list of [time, value]; a drive with a function of your own is not written | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`; `law`: a map from the name of the law to the law, see below; `load`: a drive; optional: the fields of the next row | yes |
 //! | `Contact`, continued | optional: `direction` (`coordinate` with the coefficient 1): a list of [coordinate, coefficient]; `load_gradient` (none): a list of [coordinate, force per displacement]; `load_laws` (none): a list of `ForceElement`; `belt_velocity` (0): a drive; `tangential_stiffness` (none); `normal_spring` (none): [direction, stiffness], with the direction as above | yes |
 //! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; optional: `stiffness` and `damping` (0): lists of rows; `forces` (0): a drive for each coordinate; `contacts`, `elements`, `stops`, `first_orders` (none) | yes |

@@ -421,6 +421,10 @@ fn what_may_be_left_out() {
         ) => brake();
         structure::State: r#"{"displacements":[0.1],"velocities":[0]}"#
             => structure::State::new(&[0.1], &[0.0]);
+        Drive: "5" => Drive::constant(5.0);
+        Drive: "-0.25" => Drive::constant(-0.25);
+        Drive: "-3" => Drive::constant(-3.0);
+        Drive: "{}" => Drive::constant(0.0);
     }
 }
 
@@ -455,6 +459,11 @@ fn reading_checks_what_constructors_check() {
         Rational: r#"{"static_coefficient":0.4,"decay":1,"ofset":0.1}"#, "unknown field";
         Tabulated: r#"{"points":[[0,0.4],[0,0.3]]}"#, "speed";
         Tabulated: r#"{"points":[[0,0.4],[1,0.3]],"static_coefficient":0.3}"#, "static_coefficient";
+        Drive: r#"{"constant":1,"harmonic":[]}"#, "unknown field";
+        Drive: r#""5""#, "a drive: a number, or a map of `constant`, `harmonics`, `profiles`";
+        Drive: "null", "a drive: a number, or a map of";
+        Drive: "1e999", "number out of range";
+        Drive: r#"{"profiles":[[[0,1],[0,2],[0,3]]]}"#, "time";
         MassOnBelt<Coulomb>: on_belt(r#""belt_velocity":1,"load":0"#), "load";
         MassOnBelt<Coulomb>: on_belt(r#""belt_velocity":1,"damping":-1"#), "damping";
         Scaled<Coulomb>: on_belt(r#""velocity_unit":0"#), "velocity_unit";

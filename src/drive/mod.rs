@@ -63,11 +63,7 @@ use crate::series::PowerSeries;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "read::Drive")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Drive {
     constant: f64,
     /// Harmonics of different frequencies, ascending; none is zero.
