@@ -481,7 +481,7 @@ pub enum Error {
          make some of them elastic by `with_tangential_stiffness`"
     )]
     TooManyMechanisms {
-        /// The numbers of these contacts.
+        /// The numbers of these contacts, ascending.
         contacts: Vec<usize>,
         /// The number of sets to try.
         subsets: usize,

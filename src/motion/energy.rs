@@ -59,7 +59,8 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct EnergyBudget<C = Vec<f64>> {
-    /// The change of the energy E: E at the end of the motion minus E at its start.
+    /// The change of the energy E: E at the end of the motion minus E at its start. Of a drive that
+    /// jumps at the end of the motion, the value before the jump counts.
     pub stored: f64,
     /// Work of the force on each coordinate, ∫ f_i v_i dt.
     pub force_work: C,

@@ -139,9 +139,10 @@ impl Allowance {
 }
 
 /// The time up to which the terms of order n and n − 1 stay below an error: (error/|c_n|)^(1/n), to
-/// 6 %.
+/// 6 %. Where nothing moves no error is allowed, and any term of rounding would be too large.
 #[inline(always)]
 pub(crate) fn reach(error: f64, c: &PowerSeries, n: usize) -> f64 {
+    let error = error.max(f64::MIN_POSITIVE);
     let by = |n: usize| root_of_ratio(error, c[n].abs(), n);
     by(n).min(by(n - 1))
 }

@@ -6,8 +6,8 @@ use stick_slip::EnergyBudget;
 use stick_slip::nalgebra::DVector;
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, Contact, Coulomb, Dahl, Drive, Error, Exponential, LuGre, Mode, Segment,
-    Structure, Trajectory,
+    AnyContactLaw, Contact, Coulomb, Dahl, Drive, Error, Exponential, ForceElement, LuGre, Mode,
+    PolynomialSpring, Segment, Structure, Trajectory,
 };
 
 use crate::common::{Random, Worst, count, forces, larger, list, oscillator, text};
@@ -230,6 +230,28 @@ fn a_balance_with_every_kind_of_part_closes() {
         exact < 1e-13 && about > 1e-9 && about < 1e-2,
         "{exact:e} {about:e}"
     );
+}
+
+/// A spring that becomes five times as stiff at t = 1: up to there the energy is that of the start,
+/// and beyond it has risen by four times the energy of the spring.
+#[test]
+fn a_budget_that_ends_at_a_jump_ends_before_it() {
+    let stiffness = Drive::profile(&[(1.0, 1.0), (1.0, 5.0)]).unwrap();
+    let spring = PolynomialSpring::new(&[1.0]).unwrap();
+    let mass = ForceElement::new(0, spring)
+        .and_then(|spring| spring.with_factor(stiffness))
+        .and_then(|spring| Structure::new(&[1.0])?.with_element(spring))
+        .unwrap();
+    let stored = |duration: f64| {
+        let start = State::new(&[1.0], &[0.0]);
+        let motion = mass.simulate(start, duration).unwrap();
+        let budget = mass.energy_budget(&motion).unwrap();
+        assert!(budget.defect().abs() < 1e-15, "{budget:?}");
+        budget.stored
+    };
+    let risen = 2.0 * 1.0_f64.cos().powi(2);
+    assert!(stored(1.0).abs() < 1e-15);
+    assert!((stored(1.5) - risen).abs() < 1e-15);
 }
 
 /// Samples against the engine at an instant, against Newton's equation, and against sums over many

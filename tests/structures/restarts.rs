@@ -3,7 +3,8 @@
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, Event, EventKind, Exponential,
-    Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, RateState, Segment, Structure, Trajectory,
+    Integrator, LuGre, Mode, Physical, PhysicalMassOnBelt, RateState, Segment, Structure,
+    Trajectory,
 };
 
 use crate::common::{Random, apart, count, forces, larger, one_mass};

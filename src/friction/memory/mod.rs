@@ -275,6 +275,21 @@ pub trait ContactLaw: Sized {
     /// [`rates`](Self::rates) in slip under the load 0. Asperities age and heat flows away without
     /// a load, too; bristles that touch nothing stay as they are. These rates must be continuous
     /// where r changes its sign.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Drive, RateState, Structure, structure::State};
+    ///
+    /// // A block at rest, lifted at t = 1: asperities age all the while, by φ' = (V₀/D_c) e^−φ, so
+    /// // φ = ln(1 + t V₀/D_c).
+    /// let law = RateState::aging(0.6, 0.01, 0.015, 0.3, 0.1)?;
+    /// let load = Drive::profile(&[(0.0, 1.0), (2.0, -1.0)])?;
+    /// let block = Structure::new(&[1.0])?
+    ///     .with_ground_spring(0, 1.0)?
+    ///     .with_contact(Contact::new(0, law, load)?)?;
+    /// let motion = block.simulate(State::at_rest(1).with_memory(&[0.0]), 6.0)?;
+    /// assert!((motion.last().memory[0] - 3.0_f64.ln()).abs() < 1e-13);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     fn changes_while_open(&self) -> bool {
         false
     }

@@ -117,12 +117,10 @@ impl ContactSeries {
 
     /// Lifts the contact, or lets it down.
     pub(super) fn lift(&mut self, is_lifted: bool) {
-        match (is_lifted, self.lifted.take()) {
-            (true, None) => {
-                self.lifted = Some(std::mem::replace(&mut self.load, PowerSeries::ZERO));
-            }
-            (false, Some(load)) => self.load = load,
-            (_, lifted) => self.lifted = lifted,
+        if is_lifted && self.lifted.is_none() {
+            self.lifted = Some(std::mem::replace(&mut self.load, PowerSeries::ZERO));
+        } else if !is_lifted && let Some(load) = self.lifted.take() {
+            self.load = load;
         }
     }
 

@@ -28,7 +28,7 @@ impl Reach {
         let by_last = if c[n] == 0.0 && c[n - 1] == 0.0 {
             f64::INFINITY
         } else {
-            reach(error.max(f64::MIN_POSITIVE), c, n)
+            reach(error, c, n)
         };
         if !self.has_gaps {
             return by_last;

@@ -149,15 +149,14 @@ fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
         }
         return;
     }
-    state.limits = state.limits_by(contact.law);
     if let Phase::Slip { direction, .. } = state.phase {
         state.entry = Entry::Arrived(Some(direction));
-        if state.limits.is_some() {
+        if state.limits_by(contact.law).is_some() {
             state.arrival_memory.clone_from(&state.memory);
             contact.law.caught(&mut state.memory);
-            state.limits = state.limits_by(contact.law);
         }
     }
+    state.limits = state.limits_by(contact.law);
     state.phase = Phase::Stick {
         since: clock,
         from: displacement,

@@ -585,17 +585,18 @@ fn guided(model: &Model<'_>, situation: &Situation) -> Vec<Guided> {
 
 /// The error if a programme has no solution.
 fn unsolved(reason: Unsolved, model: &Model<'_>, situation: &Situation, series: &Series) -> Error {
+    let ascending = |mut contacts: Vec<usize>| {
+        contacts.sort_unstable();
+        contacts
+    };
     match reason {
         Unsolved::Endless => situation.undecided(model, series),
-        Unsolved::Jammed(mut contacts) => {
-            contacts.sort_unstable();
-            Error::Jammed {
-                contacts,
-                reached: situation.reached(model, series),
-            }
-        }
+        Unsolved::Jammed(contacts) => Error::Jammed {
+            contacts: ascending(contacts),
+            reached: situation.reached(model, series),
+        },
         Unsolved::TooMany(TooMany { contacts, subsets }) => Error::TooManyMechanisms {
-            contacts,
+            contacts: ascending(contacts),
             subsets,
             most: MOST_SUBSETS,
             reached: Box::new(situation.reached(model, series)),

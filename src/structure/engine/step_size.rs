@@ -548,7 +548,7 @@ pub(super) fn plan_memory(
             let rate = memory[1].abs();
             let by = |n: usize| root_of_ratio(rate, memory[n].abs(), n - 1);
             let size = memory[0].abs().max(rate * by(LAST).min(by(LAST - 1)));
-            reach((tolerance * size).max(f64::MIN_POSITIVE), memory, LAST)
+            reach(tolerance * size, memory, LAST)
         }
     };
     changing.map(reach).fold(f64::INFINITY, f64::min)
