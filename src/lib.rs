@@ -30,14 +30,11 @@
 //!
 //! | question | answer |
 //! |---|---|
+//! | **One mass on a belt** | |
 //! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
-//! | how the mass moves, without a time limit and in constant memory | [`Integrator::flow`] |
-//! | how the mass moves until a given condition holds | [`Integrator::simulate_until`] |
-//! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
 //! | all limit cycles, stable and unstable | [`limit_cycle::find`] |
 //! | the stick-slip cycle alone | [`limit_cycle::stick_slip`] |
 //! | the attractor reached from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
-//! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`], [`orbit::Orbit`] |
 //! | stability of steady sliding | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding gains or loses stability | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
@@ -51,28 +48,18 @@
 //! | the stiffness at which vibration ends | [`bifurcation::silencing_stiffness`] |
 //! | the least damping without vibration | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of Farshidianfar and Noei Aghaee (the source paper), and more accurate ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; errors of the paper: [list](analysis#where-the-source-paper-is-wrong) |
+//! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
+//! | **Several masses** | |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; its force: [`Structure::carried`] |
 //! | which contacts at rest slip next, together, and at which load | [`Structure::mechanisms`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`]; contacts along its mode shapes: [`Contact::along`] |
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
 //! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`]; of a slipping clutch or turning shafts: [`Structure::steady_sliding_at`] |
-//! | a periodic motion of any system, with its Floquet multipliers | [`orbit::shoot`], [`orbit::settle`] |
-//! | how a periodic motion changes with any parameter | [`orbit::follow`] |
-//! | the load or the speed at which a structure begins and ceases to vibrate, with hysteresis | [`orbit::vibration_ranges`] |
-//! | the motion that is born where steady sliding becomes unstable | [`orbit::begin`] |
-//! | the motions that are born where a period doubles, or a symmetric motion loses its symmetry | [`orbit::Bifurcation::switch`] |
-//! | the attractor of any system from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
 //! | where steady sliding becomes unstable along a speed profile | [`Structure::stability_changes`] |
-//! | chaos: the largest Lyapunov exponent, Poincaré sections | [`orbit::lyapunov`], [`orbit::section`] |
+//! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
+//! | **Loads, forces and drives** | |
 //! | a chirp, a shock, a window or any other function of time as a force, load or belt velocity | [`Drive::function`] with a [`TimeFunction`] |
-//! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
-//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
-//! | measured points as a law | [`Tabulated`] |
-//! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
-//! | rate-and-state friction, earthquakes, laboratory sliders | [`RateState`] in a [`Structure`]; formulas in [`analysis::rate_state`]; a fit of a, b and D_c: the example `rate_state_lab` |
-//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
-//! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a hard or soft spring (Duffing) | [`PolynomialSpring`], or a [`TabulatedForce`] of measured points, in a [`ForceElement`]; formulas in [`analysis::duffing`] |
 //! | a pendulum | [`Pendulum`]; its pivot is at rest |
 //! | gear play, backlash | [`Backlash`] |
@@ -84,12 +71,32 @@
 //! | a Maxwell damper, a viscoelastic mount | [`FirstOrder::lag`] |
 //! | a nonlinear damper, or any other force of displacements and velocities | [`VanDerPol`], or your own [`ForceLaw`] or [`ForceField`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] if the surfaces separate, [`Contact::with_load_law`] for any other load: a bead on a ring, an oblique spring |
+//! | a mass or a base whose displacement d(t) is prescribed | leave out its coordinate: a spring and a damper to it exert the force k d + c d', [`Structure::with_force`]; friction on it: [`Contact::on_belt`] with the velocity d' |
+//! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
+//! | **Laws of friction** | |
+//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
+//! | measured points as a law | [`Tabulated`] |
+//! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
+//! | rate-and-state friction, earthquakes, laboratory sliders | [`RateState`] in a [`Structure`]; formulas in [`analysis::rate_state`]; a fit of a, b and D_c: the example `rate_state_lab` |
+//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] (not needed for different laws in one structure) |
+//! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | friction that depends on the direction: scaled skin, crawlers, hair, nap | [`Directional`] of two laws, or your own [`ContactLaw`] with [`limits`](ContactLaw::limits); a [`FrictionLaw`] is odd in the relative velocity |
 //! | a rope or a band around a drum (capstan, band brake) | [`Directional::capstan`] |
-//! | a freewheel, a one-way clutch, a backstop | [`Contact::freewheel`], also with drag; along any direction: [`Freewheel`] |
-//! | an incline, or a constant force | one mass: a constant force F shifts the displacement by F/K (K: stiffness of the spring) and has no other effect; an incline also reduces the normal force. Several masses: [`Structure::with_force`] |
-//! | torsion | use moments of inertia as masses, radians as the unit of length, N·m as the unit of force |
-//! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
+//! | a freewheel, a one-way clutch, a backstop, blocks that never slide back (Burridge-Knopoff) | [`Contact::freewheel`], also with drag; along any direction: [`Freewheel`] |
+//! | **Periodic motions of any system** | |
+//! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`], [`orbit::Orbit`] |
+//! | a periodic motion of any system, with its Floquet multipliers | [`orbit::shoot`], [`orbit::settle`] |
+//! | how a periodic motion changes with any parameter | [`orbit::follow`] |
+//! | the load or the speed at which a structure begins and ceases to vibrate, with hysteresis | [`orbit::vibration_ranges`] |
+//! | the motion that is born where steady sliding becomes unstable | [`orbit::begin`] |
+//! | the motions that are born where a period doubles, or a symmetric motion loses its symmetry | [`orbit::Bifurcation::switch`] |
+//! | the attractor of any system from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
+//! | chaos: the largest Lyapunov exponent, Poincaré sections | [`orbit::lyapunov`], [`orbit::section`] |
+//! | **Runs and data** | |
+//! | how the mass moves, without a time limit and in constant memory | [`Integrator::flow`] |
+//! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
+//! | how the mass moves until a given condition holds | [`Integrator::simulate_until`] |
+//! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | samples at 48 kHz, each with its mode, stick or slip | [`Trajectory::sample_every`]; with forces and accelerations, for example for a sound file: [`Structure::samples`] |
 //! | bounding, watching or stopping a search | [`Search`]; the results found so far are kept |
 //! | many systems on all cores | systems and results can be shared between threads: call any function from several threads |

@@ -15,12 +15,10 @@ const MANIFEST: &str = include_str!("../../Cargo.toml");
 /// The program of the README, with `println!` writing to [`program::PRINTED`](PRINTED).
 mod program {
     macro_rules! println {
-        ($($argument:tt)*) => {
-            super::PRINTED.with_borrow_mut(|text| {
-                text.push_str(&format!($($argument)*));
-                text.push('\n');
-            })
-        };
+        ($($argument:tt)*) => {{
+            let line = format!($($argument)*) + "\n";
+            super::PRINTED.with_borrow_mut(|text| text.push_str(&line));
+        }};
     }
     include!("readme/program.rs");
 

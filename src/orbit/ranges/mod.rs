@@ -90,8 +90,8 @@ const SMALL: f64 = 1e-3;
 /// from there starts far from its steady state; measure displacements from the set point.
 ///
 /// The work is 17 motions upward, downward and from rest, and one [`follow`](super::follow()) for
-/// each branch: seconds for a few masses, tens of seconds for a dozen masses, minutes where a branch
-/// folds hundreds of times.
+/// each branch: seconds for a few masses, tens of seconds for a dozen masses, minutes where a
+/// branch folds hundreds of times.
 /// [`Search::vibration_ranges`] sets a bound of the work, and accepts a watcher, a function that
 /// can stop the search. For a mass on a belt of constant velocity,
 /// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and calls

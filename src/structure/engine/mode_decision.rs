@@ -259,7 +259,7 @@ pub(super) fn set_phase(model: &Model<'_>, situation: &mut Situation, c: usize, 
 }
 
 /// Gives contacts at the start of a motion these relative velocities, and changes the velocities of
-/// the coordinates accordingly. Other contacts at rest stay at rest where their directions allow it.
+/// the coordinates accordingly. Others stay at rest where their directions allow it.
 pub(super) fn slide(
     model: &Model<'_>,
     situation: &mut Situation,
