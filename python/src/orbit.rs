@@ -970,7 +970,7 @@ pub struct VibrationRanges {
     ranges: Vec<VibrationRange>,
     branches: Vec<Py<PyBranch>>,
     sweep: Option<Py<PySweep>>,
-    from_rest: Vec<Py<SweepPoint>>,
+    probes: Vec<Py<SweepPoint>>,
     stopped: Option<f64>,
 }
 
@@ -987,7 +987,7 @@ impl VibrationRanges {
             ranges,
             branches: Vec::new(),
             sweep: None,
-            from_rest: Vec::new(),
+            probes: Vec::new(),
             stopped: None,
         })
     }
@@ -1005,7 +1005,7 @@ impl VibrationRanges {
             ranges: found.ranges.into_iter().map(range).collect(),
             branches: branches.collect::<PyResult<_>>()?,
             sweep: Some(Py::new(py, PySweep::of(py, found.sweep)?)?),
-            from_rest: SweepPoint::all(py, found.from_rest)?,
+            probes: SweepPoint::all(py, found.probes)?,
             stopped: found.stopped,
         })
     }
@@ -1032,10 +1032,11 @@ impl VibrationRanges {
         branches.map(|branch| branch.clone_ref(py)).collect()
     }
 
-    /// The attractors that were reached from rest; empty for a mass on a belt.
-    #[getter(from_rest)]
-    fn reached_from_rest(&self, py: Python<'_>) -> Vec<Py<SweepPoint>> {
-        let points = self.from_rest.iter();
+    /// The attractors that single motions reached, from rest and beyond borders; empty for a mass on
+    /// a belt.
+    #[getter]
+    fn probes(&self, py: Python<'_>) -> Vec<Py<SweepPoint>> {
+        let points = self.probes.iter();
         points.map(|point| point.clone_ref(py)).collect()
     }
 

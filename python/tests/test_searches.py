@@ -194,7 +194,7 @@ def test_ranges_of_a_belt_and_of_a_family() -> None:
     assert [r.is_bistable for r in ranges] == [False, True, False]
     found = ss.vibration_ranges(lambda v: system.replace(belt_velocity=v), 0.05, 4.0)
     assert len(found.branches) >= 1 and found.sweep is not None and found.stopped is None
-    assert len(found.from_rest) >= 16
+    assert len(found.probes) >= 16
     for one, other in zip(ranges, found, strict=True):
         assert one.attractors == other.attractors
         assert (one.low, one.high) == pytest.approx((other.low, other.high), abs=1e-8)

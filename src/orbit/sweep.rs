@@ -215,19 +215,19 @@ impl Search<'_> {
         Ok(sweep)
     }
 
-    /// The attractors that motions from this state of rest reach at some values of a parameter, up
-    /// to the value at which the watcher stops the search.
-    pub(super) fn reached_from_rest<S: Oscillator>(
+    /// The attractors that motions reach from these values of a parameter and states, up to the
+    /// value at which the watcher stops the search.
+    pub(super) fn reached_from<S: Oscillator>(
         &self,
         family: &Systems<'_, S>,
-        values: &[f64],
-        rest: &State,
+        starts: &[(f64, State)],
     ) -> Vec<SweepPoint<S::State>> {
         let watched = self.watch("parameter");
         let mut points = Vec::new();
-        for &parameter in values {
+        for (parameter, start) in starts {
+            let parameter = *parameter;
             watched.at(parameter);
-            let found = family(parameter).and_then(|system| self.reached(&system, rest, &watched));
+            let found = family(parameter).and_then(|system| self.reached(&system, start, &watched));
             if watched.is_stopped() {
                 break;
             }

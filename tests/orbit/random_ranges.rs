@@ -490,7 +490,10 @@ fn wrong_at(
 #[test]
 fn attractors_are_those_of_long_simulations() {
     let mut wrong = Vec::new();
-    for number in 0..count(2, 12) as u64 {
+    // Family 89 has a quasi-periodic attractor in a fiftieth of its range, which only a motion from
+    // a border reaches.
+    let narrow = (count(0, 1) > 0).then_some(89);
+    for number in (0..count(2, 12) as u64).chain(narrow) {
         let random = &mut Random::new(4900 + 1000 * number);
         let family = Family::random(random);
         let found = vibration_ranges(|value| family.at(value), family.range.clone()).unwrap();

@@ -526,8 +526,8 @@ fn what_is_reached_from_rest_is_reported() {
     show(&found);
     let last = found.sweep.up.last().unwrap();
     assert_eq!(last.kind(), Some(AttractorKind::SteadySliding));
-    let mut from_rest = found.from_rest.iter();
-    let there = from_rest.find(|point| point.parameter == last.parameter);
+    let mut probes = found.probes.iter();
+    let there = probes.find(|point| point.parameter == last.parameter);
     let vibrates = there.unwrap().kind().unwrap();
     assert!(vibrates != AttractorKind::SteadySliding);
     let last = &found.ranges.last().unwrap().attractors;
@@ -552,4 +552,21 @@ fn a_turning_shaft_has_one_branch() {
     let found = vibration_ranges(string, 0.8..2.4).unwrap();
     show(&found);
     assert_eq!(found.branches.len(), 1);
+}
+
+/// Where a motion ends at a fold, one from there tells what attracts beyond.
+#[test]
+fn motions_are_tried_beyond_the_borders_at_which_they_end() {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let mass = |velocity: f64| -> Result<Structure, Error> {
+        let contact = Contact::new(0, law, 1.0)?.on_belt(velocity);
+        one_mass([1.0, 0.1, 1.0], 0.0, contact)
+    };
+    let found = vibration_ranges(mass, 0.7..0.9).unwrap();
+    let last = found.ranges.last().unwrap();
+    assert_eq!(last.borders[0], Border::Bifurcation(BifurcationKind::Fold));
+    let middle = 0.5 * (last.parameters.start + last.parameters.end);
+    let mut probes = found.probes.iter();
+    let beyond = probes.find(|point| point.parameter == middle).unwrap();
+    assert_eq!(beyond.kind(), Some(AttractorKind::SteadySliding));
 }

@@ -19,9 +19,10 @@ pub struct VibrationRanges<S: SystemState> {
     pub branches: Vec<Branch<S>>,
     /// The attractors that the sweep reached at 17 equidistant values, upward and downward.
     pub sweep: Sweep<S>,
-    /// The attractors that were reached from rest: at these values except the first, with which the
-    /// sweep begins, then at the middles of ranges in which no other search found one.
-    pub from_rest: Vec<SweepPoint<S>>,
+    /// The attractors that single motions reached: from rest at these values except the first, with
+    /// which the sweep begins; then at the middles of ranges, from rest where no other search found
+    /// an attractor, and from the last periodic motions of a branch that ends at a border.
+    pub probes: Vec<SweepPoint<S>>,
     /// The value of the parameter at which the watcher stopped the search; `None` if the watcher
     /// did not stop it. After a stop the ranges may lack attractors, even some that the sweep
     /// reached.
@@ -49,7 +50,7 @@ pub struct VibrationRange {
     /// entered for the whole range if a search reached it at one value or more of the range. A
     /// long transient counts as irregular, too, for example near a bifurcation: an irregular motion
     /// in the list need not be another attractor. The points of [`VibrationRanges::sweep`] and
-    /// [`VibrationRanges::from_rest`] in the range tell how many values are irregular. To decide,
+    /// [`VibrationRanges::probes`] in the range tell how many values are irregular. To decide,
     /// simulate the motion at one of these values for longer and
     /// [`classify`](crate::orbit::classify()) its end, or compute its
     /// [`lyapunov`](crate::orbit::lyapunov()) exponent.

@@ -36,8 +36,8 @@ const SAME: f64 = 1e-9;
 /// it ends, in parts of the range.
 const NEAR: f64 = 1e-6;
 
-/// Ranges wider than this part of the whole in which no attractor is known are tried once more, and
-/// so are those that are left, as often.
+/// Ranges wider than this part of the whole are searched once more where no attractor is known, or
+/// one ends at a border; and so are those that are left, as often.
 const WIDE: f64 = 1e-4;
 const ROUNDS: usize = 3;
 
@@ -82,9 +82,10 @@ const SMALL: f64 = 1e-3;
 /// neighbouring values at which it is reached: for example masses at rest under a drive, or a shaft
 /// that turns.
 ///
-/// If no attractor is known in a range wider than 10⁻⁴ of the whole, a motion from rest is tried at
-/// its middle, in up to three rounds. If no branch explains such a motion, only its kind is
-/// entered.
+/// In each range wider than 10⁻⁴ of the whole, further motions are tried at its middle, in up to
+/// three rounds: from rest if no attractor is known there, and from the last motion of each stable
+/// part of a branch that ends at a border of the range. If no branch explains such a motion, only
+/// its kind is entered.
 ///
 /// All starts from rest have displacements and states of 0. A controller whose set point is far
 /// from there starts far from its steady state; measure displacements from the set point.
@@ -183,9 +184,11 @@ impl Search<'_> {
         let sweep = search.sweep(family, &places(SWEPT), &S::State::of_general(&rest))?;
         let steady = steady_along(family, &places(INTERVALS));
         let systems = systems(family, &places(INTERVALS));
-        let mut from_rest = search.reached_from_rest(family, &places(SWEPT)[1..], &rest);
+        let at_rest = |parameter: f64| (parameter, rest.clone());
+        let starts: Vec<_> = places(SWEPT)[1..].iter().copied().map(at_rest).collect();
+        let mut probes = search.reached_from(family, &starts);
         let mut branches: Vec<Branch<S::State>> = Vec::new();
-        let swept = sweep.up.iter().chain(&sweep.down).chain(&from_rest);
+        let swept = sweep.up.iter().chain(&sweep.down).chain(&probes);
         let swept = swept.filter_map(|point| {
             let orbit = point.attractor.as_ref().ok().and_then(Attractor::orbit)?;
             Some((point.parameter, orbit))
@@ -230,37 +233,38 @@ impl Search<'_> {
                 Ok(_) => Evidence::Here,
                 Err(_) => Evidence::None,
             };
-            let points: Vec<_> = sweep
-                .up
-                .iter()
-                .chain(&sweep.down)
-                .chain(&from_rest)
-                .collect();
+            let points: Vec<_> = sweep.up.iter().chain(&sweep.down).chain(&probes).collect();
             let ranges = ranges(&stretches, &points, &systems, start..end, differ, evidence);
-            let empty = ranges.iter().filter(|found| found.attractors.is_empty());
-            let empty = empty.map(|found| found.parameters.clone());
-            let empty: Vec<f64> = empty
-                .filter(|part| part.end - part.start > WIDE * (end - start))
-                .map(|part| 0.5 * (part.start + part.end))
-                .filter(|middle| from_rest.iter().all(|point| point.parameter != *middle))
-                .collect();
-            if empty.is_empty() || round == ROUNDS || stopped.get().is_some() {
+            let starts = ranges.iter().flat_map(|found| {
+                let part = &found.parameters;
+                let middle = 0.5 * (part.start + part.end);
+                let is_wide = part.end - part.start > WIDE * (end - start);
+                let is_new = probes.iter().all(|point| point.parameter != middle);
+                let mut states = Vec::new();
+                if is_wide && is_new {
+                    states = ending(&stretches, part, SAME * (end - start));
+                    states.extend(found.attractors.is_empty().then(|| rest.clone()));
+                }
+                states.into_iter().map(move |state| (middle, state))
+            });
+            let starts: Vec<(f64, State)> = starts.collect();
+            if starts.is_empty() || round == ROUNDS || stopped.get().is_some() {
                 return Ok(VibrationRanges {
                     ranges,
                     branches,
                     sweep,
-                    from_rest,
+                    probes,
                     stopped: stopped.get(),
                 });
             }
-            let tried = search.reached_from_rest(family, &empty, &rest);
+            let tried = search.reached_from(family, &starts);
             for point in &tried {
                 if let Some(orbit) = point.attractor.as_ref().ok().and_then(Attractor::orbit) {
                     let found = (point.parameter, orbit);
                     search.follow_new(family, found, &(start..end), &mut branches);
                 }
             }
-            from_rest.extend(tried);
+            probes.extend(tried);
             round += 1;
         }
     }
@@ -594,6 +598,32 @@ fn steady_stretches<'b, S: SystemState>(
         motions: Vec::new(),
     });
     stretches.collect()
+}
+
+/// States of the last periodic motions of other ranges that end at a border of this one, if no
+/// attractor begins there that may continue them.
+fn ending<S: SystemState>(
+    stretches: &[Stretch<'_, S>],
+    range: &Range<f64>,
+    near: f64,
+) -> Vec<State> {
+    let ending_at = |border: f64, side: usize| {
+        let of = move |stretch: &&Stretch<'_, S>| {
+            let Range { start, end } = stretch.parameters;
+            ([start, end][side] - border).abs() <= near
+        };
+        stretches.iter().filter(of)
+    };
+    let sides = [(range.start, 1), (range.end, 0)].into_iter();
+    let lost = sides.filter(|&(border, side)| ending_at(border, 1 - side).next().is_none());
+    let motions = lost.flat_map(|(border, side)| {
+        let off = move |motion: &&(f64, &Orbit<S>)| (motion.0 - border).abs();
+        ending_at(border, side).filter_map(move |stretch| {
+            let motions = stretch.motions.iter();
+            motions.min_by(|a, b| off(a).total_cmp(&off(b)))
+        })
+    });
+    motions.map(|(_, orbit)| orbit.state().general()).collect()
 }
 
 /// The ranges between all borders, those with the same attractors as one.
