@@ -9,11 +9,11 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, Coulomb, Drive, Element, Error, EventKind, Exponential, ForceLaw, MassOnBelt, Mode,
-    Polynomial, Scalar, Structure,
+    Polynomial, RateState, Scalar, Structure,
 };
 
 use crate::common::orbit::monodromy;
-use crate::common::{at_least, exactly, one_mass, oscillator, text};
+use crate::common::{at_least, exactly, one_mass, oscillator, text, vector};
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
@@ -749,5 +749,52 @@ fn a_bead_on_a_ring_has_the_derivatives_of_its_closed_form() {
         let speed = f64::from(u8::from(j == 2)) / d - v0 * by_d[j] / (d * d);
         assert_abs_diff_eq!(found[(0, j)], place, epsilon = ACCURACY * 10.0);
         assert_abs_diff_eq!(found[(1, j)], speed, epsilon = ACCURACY * 10.0);
+    }
+}
+
+/// Rate-and-state friction turns within an instant where its contact changes its direction: beyond
+/// 1e-9 of it no series converges. Compared with plain differences of eighth order.
+#[test]
+fn a_creeping_contact_that_turns_has_derivatives() {
+    let family = |p: &[f64]| -> Result<(Structure, State), Error> {
+        let law = RateState::aging(0.545, p[1], 0.05, 0.0129, 0.231)?;
+        let contact = Contact::new(0, law, 0.32)?.on_belt(p[0]);
+        let mass = one_mass([1.0, 0.0893, 1.57], 0.0, contact)?;
+        Ok((mass, State::new(&[0.166], &[0.112]).with_memory(&[0.094])))
+    };
+    let at = [0.081, 0.027];
+    let found = sensitivities(family, &at, 1.37).unwrap();
+    let [turn] = &found.events()[..] else {
+        panic!()
+    };
+    assert!(matches!(turn.kind, EventKind::Crossing(_)));
+    let end = |p: &[f64], time: f64| {
+        let (mass, start) = family(p).unwrap();
+        vector(&mass.simulate(start, time).unwrap().last())
+    };
+    // The increment moves the event by less than the distance of the time from it.
+    let times = [
+        (turn.time - 1e-4, 1e-5),
+        (turn.time + 1e-4, 1e-5),
+        (turn.time + 0.03, 1e-3),
+        (1.37, 1e-3),
+    ];
+    for (time, increment) in times {
+        let slopes = found.at(time).unwrap();
+        for parameter in 0..2 {
+            let h = increment * at[parameter];
+            let beside = |count: f64| {
+                let mut p = at;
+                p[parameter] += count * h;
+                end(&p, time)
+            };
+            let pair = |count: f64| beside(count) - beside(-count);
+            let slope = (pair(1.0) * 672.0 - pair(2.0) * 168.0 + pair(3.0) * 32.0
+                - pair(4.0) * 3.0)
+                / (840.0 * h);
+            let apart = (slopes.column(parameter) - &slope).amax() / slope.amax();
+            let allowed = if increment < 1e-3 { 1e-7 } else { 1e-9 };
+            assert!(apart < allowed, "{time} {parameter}: {apart:e}");
+        }
     }
 }

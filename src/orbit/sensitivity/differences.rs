@@ -349,9 +349,33 @@ impl Variation {
         Some((timeless.collect(), states.map(|apart| apart.amax())))
     }
 
-    /// The number of events before a time at which the motions can be compared.
-    pub(super) fn passed(&self, here: &Run, time: f64) -> usize {
-        self.groups.before(here.passed(time))
+    /// The derivative of the state at a time.
+    pub(super) fn at(&self, here: &Run, time: f64) -> Option<DVector<f64>> {
+        let passed = self.groups.before(here.passed(time));
+        let Some(event) = self.smooth_beside(here, time) else {
+            return self.derivative(|run| run.vector_at(passed, time));
+        };
+        // At one time before or after the event of each motion: x(t + Δt) − x' Δt.
+        let of = |run: &Run| run.events[event].time;
+        let moved = self.derivative(|run| run.vector_at(passed, time + (of(run) - of(here))))?;
+        let later = self.derivative(|run| Some(DVector::from_element(1, of(run))))?;
+        Some(moved - here.rates_at(passed, time)? * later[0])
+    }
+
+    /// The smooth event that lies on both sides of a time in these motions.
+    fn smooth_beside(&self, here: &Run, time: f64) -> Option<usize> {
+        let smooth = (0..here.events.len()).filter(|&event| here.is_smooth(event));
+        let mut smooth = smooth.filter(|event| !self.timeless.contains(event));
+        smooth.find(|&event| {
+            let now = here.events[event].time;
+            let later = self
+                .parts
+                .iter()
+                .map(|(_, run)| run.events[event].time - now);
+            let farthest = later.clone().fold(0.0, |most: f64, by| most.max(by.abs()));
+            let mut inside = later.map(|by| (here.begin..=here.end).contains(&(time + by)));
+            (time - now).abs() <= farthest && inside.all(|is_inside| is_inside)
+        })
     }
 
     /// The difference of the derivatives of both sides, by formulas of second order with the

@@ -94,10 +94,7 @@ impl Sensitivities {
         if !(self.begin..=self.here.end).contains(&time) {
             return None;
         }
-        let columns = self.variations.iter().map(|by| {
-            let passed = by.passed(&self.here, time);
-            by.derivative(|run| run.vector_at(passed, time))
-        });
+        let columns = self.variations.iter().map(|by| by.at(&self.here, time));
         let columns: Vec<DVector<f64>> = columns.collect::<Option<_>>()?;
         if columns.is_empty() {
             return Some(DMatrix::zeros(self.order, 0));
@@ -211,12 +208,15 @@ impl<'w> Work<'w> {
 /// Derivatives continue through sticks, releases and crossings, because neighbouring motions have
 /// the same events at slightly different times. The power series of the neighbouring motion is
 /// continued between the two times of an event. Both motions are then compared in the same modes,
-/// and their difference has no jump. The derivatives are difference quotients with an error of
-/// fourth order in the increment; each motion is exact to rounding. The first increment of the
-/// parameter changes the motion by about a thousandth of the motion's size. The increment is then
-/// divided by 4 again and again, as long as the derivatives from two successive increments come
-/// closer to each other. The error is about 1e-11 of the largest derivative, and below 1e-10 for
-/// all reference motions of the tests. It is at most a thousandth, or the result is an error. The
+/// and their difference has no jump. (Where a contact that [creeps](crate::ContactLaw::creeps)
+/// changes its direction, no series reaches beyond the event: motions are compared at one time
+/// since their own events.) The derivatives are difference quotients with an error of fourth order
+/// in the increment; each motion is exact to rounding. The first increment of the parameter changes
+/// the motion by about a thousandth of the motion's size. The increment is then divided by 4 again
+/// and again, as long as the derivatives from two successive increments come closer to each other.
+/// The error is about 1e-11 of the largest derivative, and below 1e-10 for all reference motions of
+/// the tests. It is larger if the motion hardly depends on the parameter: its own rounding errors,
+/// divided by the increment, then count. It is at most a thousandth, or the result is an error. The
 /// difference is one-sided if the family returns an error on one side of the parameter, or if the
 /// motion has other events there.
 ///

@@ -29,6 +29,8 @@ pub(super) struct Run {
     pub(super) end: f64,
     pub(super) duration: f64,
     order: usize,
+    /// The contacts that creep.
+    creeping: Vec<usize>,
 }
 
 /// Events whose times differ by at most this part happen at one instant: rounding separates those
@@ -79,6 +81,7 @@ impl Run {
             end,
             duration,
             order: form.order(),
+            creeping: form.model().creeping.clone(),
         };
         for step in Flow::new(settings, form.model().clone(), start)? {
             let step = step?;
@@ -137,12 +140,30 @@ impl Run {
         self.events.partition_point(|event| event.time < time)
     }
 
+    /// Returns true if no series is continued over an event: where a contact that creeps changes its
+    /// direction, μ ~ ln |r| has a series for an instant only, and the motion is smooth.
+    pub(super) fn is_smooth(&self, event: usize) -> bool {
+        let smooth = self.events.get(event).filter(|event| {
+            let contact = event.contact();
+            let creeps = contact.is_some_and(|c| self.creeping.contains(&c));
+            creeps && matches!(event.kind, EventKind::Crossing(_))
+        });
+        smooth.is_some()
+    }
+
     /// The step for a time after this number of events, and the time since its start; it may lie
-    /// outside.
+    /// outside, unless the events beside it are smooth.
     fn step(&self, passed: usize, time: f64) -> Option<(&Step, f64)> {
-        let steps = self.segments.get(passed)?;
-        let step = steps.iter().find(|step| step.end_time() >= time);
-        let step = step.or(steps.last())?;
+        let (mut first, mut last) = (passed, passed);
+        while first > 0 && self.is_smooth(first - 1) {
+            first -= 1;
+        }
+        while self.is_smooth(last) {
+            last += 1;
+        }
+        let mut steps = self.segments.get(first..=last)?.iter().flatten();
+        let end = self.segments[..=last].iter().flatten().next_back();
+        let step = steps.find(|step| step.end_time() >= time).or(end)?;
         Some((step, step.clock().until(time)))
     }
 
@@ -154,6 +175,17 @@ impl Run {
 
     pub(super) fn vector_at(&self, passed: usize, time: f64) -> Option<DVector<f64>> {
         Some(vector(&self.state_at(passed, time)?, self.order))
+    }
+
+    /// The rates of change of the state at a time after this number of events.
+    pub(super) fn rates_at(&self, passed: usize, time: f64) -> Option<DVector<f64>> {
+        let (step, since) = self.step(passed, time)?;
+        let rates = step
+            .series()
+            .iter()
+            .map(|series| series.derivative().at(since));
+        let rates = step.state_at(since).velocities.into_iter().chain(rates);
+        Some(DVector::from_iterator(self.order, rates))
     }
 
     /// The end minus the start.
@@ -174,7 +206,8 @@ impl Run {
                 (group.end, times[1]),
             ]
         };
-        let ends = groups.iter().flat_map(of_group);
+        let bound = |group: &Range<usize>| group.clone().all(|event| !other.is_smooth(event));
+        let ends = groups.iter().filter(bound).flat_map(of_group);
         // Behind the last event too: an event of this motion alone is one that the other has not.
         let whole = [(0, other.begin), (other.events.len(), other.end)];
         let mut ends = whole.into_iter().chain(ends);
@@ -222,7 +255,8 @@ impl Run {
     }
 
     /// The times of the events, the displacements and velocities after each group, and the state at
-    /// the end of another motion; those of an event within a group are those after the group.
+    /// the end of another motion; those of an event within a group are those after the group, and
+    /// those of a smooth event, beside which derivatives change fast, those at the end.
     pub(super) fn probe(&self, here: &Self, groups: &Groups) -> Option<DVector<f64>> {
         let mut numbers: Vec<f64> = Vec::new();
         let count = here.events.len();
@@ -230,8 +264,12 @@ impl Run {
         let mut velocities = Vec::new();
         let ends = groups.iter().flat_map(|group| {
             let end = group.end;
-            let time = here.events[end - 1].time;
-            group.map(move |_| (end, time))
+            let is_smooth = group.clone().any(|event| here.is_smooth(event));
+            let at = match is_smooth {
+                true => (count, here.end),
+                false => (end, here.events[end - 1].time),
+            };
+            group.map(move |_| at)
         });
         for (passed, time) in ends.chain([(count, here.end)]) {
             let state = self.state_at(passed, time)?;
