@@ -386,6 +386,32 @@ fn a_share_without_a_limit_keeps_the_balance() {
     assert_abs_diff_eq!(left, 0.0, epsilon = 1e-15);
 }
 
+/// A force without a limit costs nothing in Σ (λ/B)², so a clutch beside a backstop carries nothing
+/// of what the backstop can hold, and all of what it cannot.
+#[test]
+fn a_freewheel_relieves_the_clutch_beside_it() {
+    let held = |force: f64| {
+        let shaft = Structure::new(&[1.3])
+            .and_then(|s| s.with_force(0, force))
+            .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 0.7)?))
+            .and_then(|s| s.with_contact(Contact::new(0, Freewheel::new(even(0.2))?, 0.9)?))
+            .unwrap();
+        forces(&shaft.carried(0.0, &State::at_rest(1)).unwrap())
+    };
+    // Slip backward is limited by both: 0.35 and 0.18, in the ratio of the squares.
+    let squares = [0.35_f64.powi(2), 0.18_f64.powi(2)];
+    for force in [0.2, 0.01, 5.0] {
+        let carried = held(force);
+        assert_abs_diff_eq!(carried[0], 0.0, epsilon = 1e-15);
+        assert_abs_diff_eq!(carried[1], force, epsilon = 1e-15);
+        let carried = held(-0.1 * force.min(1.0));
+        for (carried, square) in carried.iter().zip(squares) {
+            let share = -0.1 * force.min(1.0) * square / (squares[0] + squares[1]);
+            assert_abs_diff_eq!(*carried, share, epsilon = 1e-15);
+        }
+    }
+}
+
 #[test]
 fn decisions_of_dependent_contacts_solve_the_programme() {
     let mut random = Random::new(73);
