@@ -1032,8 +1032,8 @@ impl VibrationRanges {
         branches.map(|branch| branch.clone_ref(py)).collect()
     }
 
-    /// The attractors that single motions reached, from rest and beyond borders; empty for a mass on
-    /// a belt.
+    /// The attractors that single motions reached, from rest and beyond borders; empty for a mass
+    /// on a belt.
     #[getter]
     fn probes(&self, py: Python<'_>) -> Vec<Py<SweepPoint>> {
         let points = self.probes.iter();

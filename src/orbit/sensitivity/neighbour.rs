@@ -140,8 +140,8 @@ impl Run {
         self.events.partition_point(|event| event.time < time)
     }
 
-    /// Returns true if no series is continued over an event: where a contact that creeps changes its
-    /// direction, μ ~ ln |r| has a series for an instant only, and the motion is smooth.
+    /// Returns true if no series is continued over an event: where a contact that creeps changes
+    /// its direction, μ ~ ln |r| has a series for an instant only, and the motion is smooth.
     pub(super) fn is_smooth(&self, event: usize) -> bool {
         let smooth = self.events.get(event).filter(|event| {
             let contact = event.contact();
