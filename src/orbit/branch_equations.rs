@@ -110,6 +110,28 @@ impl Curve<'_> {
         matches!(self.kind, Period::Free(_))
     }
 
+    /// Refuses a family whose drives have a common period at a value of the parameter, and none
+    /// beside it: no motion of a branch closes there.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoCommonPeriod`], at the value beside.
+    pub(super) fn check_common_period(&self, parameter: f64) -> Result<(), Error> {
+        let Range { start, end } = self.range;
+        let beside = [1.0, -1.0].map(|side| parameter + side * PARTS[0] * (end - start));
+        let mut inside = beside.iter().filter(|value| (start..=end).contains(*value));
+        inside.try_for_each(|&value| match (self.family)(value) {
+            Ok(system) => {
+                let found = self.kind.duration(system.form().rhythm());
+                found
+                    .map(drop)
+                    .map_err(|error| error.at("parameter", value))
+            }
+            // The branch ends there.
+            Err(_) => Ok(()),
+        })
+    }
+
     /// Sets the mobilities, for systems of a form.
     pub(super) fn weigh(&mut self, form: &GeneralForm<'_>) {
         let masses = form.model.inverse_mass.rows().map(|(own, _)| own);

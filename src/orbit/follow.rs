@@ -86,7 +86,8 @@ use crate::state::structure::State;
 /// * [`Error::InvalidParameter`] unless the range is finite, is not empty and contains the
 ///   parameter;
 /// * [`Error::At`], with the parameter, if the family returns an error at this parameter, or if
-///   `from` is not a motion of the system there;
+///   `from` is not a motion of the system there; with [`Error::NoCommonPeriod`], if drives have a
+///   common period at this parameter and none beside it;
 /// * [`Error::At`], with the parameter, if `family`, or the computation of the [`Orbit`], returns
 ///   an error for a motion that was found.
 ///
@@ -233,6 +234,7 @@ pub(super) fn anchor(
     let form = system.form();
     (curve.n, curve.order) = (form.len(), form.order());
     curve.weigh(&form);
+    curve.check_common_period(parameter)?;
     let map = form.period_map(start, period).map_err(at)?;
     let old = FrozenStart::at_zero();
     let (start, begin) = FrozenStart::away(&map, period, &old, curve.is_free()).map_err(at)?;

@@ -440,6 +440,29 @@ fn what_cannot_be_followed_is_refused() {
 }
 
 /// Any start on the branch gives the same branch.
+/// Two harmonics over the frequency of the first: there is a common period at 1.5 and not beside it.
+#[test]
+fn a_common_period_at_single_values_makes_no_branch() {
+    let family = |frequency: f64| -> Result<Structure, Error> {
+        let drive = Drive::sine(0.3, frequency)?.with_harmonic(0.2, 1.0, 0.0)?;
+        let contact = Contact::new(0, Coulomb::new(0.4, 0.4)?, 0.1)?;
+        one_mass([1.0, 0.2, 4.0], drive, contact)
+    };
+    let start = State::at_rest(1);
+    let orbit = settle(&family(1.5).unwrap(), &start, 50.0, Period::Driven(1)).unwrap();
+    let asked = Cell::new(0);
+    let counted = |frequency: f64| {
+        asked.set(asked.get() + 1);
+        family(frequency)
+    };
+    let error = follow(counted, 1.5, &orbit, 1.4..1.6).unwrap_err();
+    let Error::At { source, .. } = &error else {
+        panic!("{error}")
+    };
+    assert!(matches!(**source, Error::NoCommonPeriod), "{error}");
+    assert!(asked.get() < 5, "{}", asked.get());
+}
+
 #[test]
 fn both_directions_meet() {
     let (_, orbit) = small();
