@@ -440,7 +440,7 @@ fn what_cannot_be_followed_is_refused() {
 }
 
 /// Any start on the branch gives the same branch.
-/// Two harmonics over the frequency of the first: there is a common period at 1.5 and not beside it.
+/// Two harmonics over the frequency of one: a common period exists at 1.5 and not beside it.
 #[test]
 fn a_common_period_at_single_values_makes_no_branch() {
     let family = |frequency: f64| -> Result<Structure, Error> {
