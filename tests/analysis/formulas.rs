@@ -261,6 +261,15 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     assert!(weak(0.09).second_order().is_none() && weak(0.09).first_order().is_none());
     assert!(weak(0.09).amplitude() > 0.2, "Eq. 18 itself cannot tell");
 
+    // Friction so strong that the growth W1 + W2 of the second order is negative, also where its
+    // square root W(2 + W) is real, although W1 is positive.
+    for (v_b, damping) in [(0.28, 6.0), (0.3, 5.076), (0.4, 0.43)] {
+        let system = paper(v_b).with_damping(damping).unwrap();
+        let strong = StickSlip::new(&system.with_load(50.0).unwrap()).unwrap();
+        assert!(strong.first_order().unwrap().growth > 0.0);
+        assert_eq!(strong.second_order(), None);
+    }
+
     // 2β ≥ η = 0.45: quiet at every belt velocity.
     let damped = paper(0.2).with_damping(0.2251).unwrap();
     let formulas = PureSlip::new(&damped).unwrap();

@@ -155,6 +155,14 @@ fn accelerations_in_si_units_are_numbers_at_any_state() {
     }
     // The belt does not feel the unit of length.
     assert_eq!(light.friction_force((1.0, 1e200)), -1e-200 * 0.25);
+    let viscous = light.law().with_viscous_coefficient(0.2).unwrap();
+    let viscous = PhysicalMassOnBelt::new(light.physical(), viscous).unwrap();
+    for velocity in [1e200, -1e200] {
+        assert_eq!(
+            viscous.friction_force((1.0, velocity)),
+            -1e-200 * (0.2 * velocity)
+        );
+    }
     for normal_force in [1e-300, 1e-200, 1.0, 1e16, 1e200] {
         let system = of(normal_force, 0.1);
         for x in [0.0, 1e-300, 1e10, 1e299, f64::MAX] {

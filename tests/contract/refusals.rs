@@ -286,6 +286,11 @@ fn systems() -> Vec<Case> {
             |stiffness| Scaling::new(Physical { mass: 1e-300, stiffness, ..PAD });
         "Scaling" "length" NOT_ABOVE, |x| Scaling::new(PAD)?.with_length(x);
         "Scaling" "length" &[1e-310, 1e306], |x| Scaling::new(PAD)?.with_length(x);
+        // A load that underflows, in units that are ordinary.
+        "Scaling" "length" &[1e299], |x| {
+            let soft = Physical { mass: 1.0, stiffness: 1.0, normal_force: 1e-10, ..PAD };
+            Scaling::new(soft)?.with_length(x)
+        };
         // A belt that moves does so in dimensionless numbers too.
         "Scaling" "length" &[1e30],
             |x| Scaling::new(Physical { belt_velocity: 1e-300, ..PAD })?.with_length(x);

@@ -4,8 +4,8 @@ use approx::assert_abs_diff_eq;
 
 use stick_slip::structure::State;
 use stick_slip::{
-    Backlash, Error, ForceElement, ForceLaw, FrictionLaw, Pendulum, PolynomialSpring, SnapThrough,
-    Structure, Tabulated, TabulatedForce, VanDerPol,
+    Backlash, Contact, Coulomb, Error, ForceElement, ForceLaw, FrictionLaw, Pendulum,
+    PolynomialSpring, SnapThrough, Structure, Tabulated, TabulatedForce, VanDerPol,
 };
 
 use crate::common::any_force::{AnyForce, CubicDamper};
@@ -310,6 +310,19 @@ fn elements_are_equal_if_their_laws_have_equal_numbers() {
     assert_eq!(one, one.clone());
     assert_ne!(one, own());
     assert_ne!(one, pendulum(1.0));
+}
+
+#[test]
+fn contacts_are_equal_if_their_loads_are() {
+    let pressed = |length: f64| {
+        let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
+        let law = Pendulum::new(0.1, length).unwrap();
+        contact.with_load_law(&[(0, 1.0)], law).unwrap()
+    };
+    assert_eq!(pressed(1.0), pressed(1.0));
+    assert_ne!(pressed(1.0), pressed(2.0));
+    let bare = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
+    assert_ne!(pressed(1.0), bare);
 }
 
 #[test]
