@@ -34,6 +34,7 @@
 //! | `mode_decision.rs` | the modes of contacts after an event, one by one |
 //! | `shared_mode_decision.rs` | the modes of contacts that share coordinates, together |
 //! | `redundant_contacts.rs` | the ways in which contacts with dependent directions begin to slip |
+//! | `least_norm_shares.rs` | what each of them carries |
 //! | `complementarity.rs` | the programme for their forces and accelerations |
 //! | `drift_correction.rs` | shared coordinates at the end of a step, from what contacts hold |
 
@@ -61,6 +62,7 @@ pub(crate) mod first_order;
 mod first_order_series;
 mod implicit_euler;
 pub(crate) mod instant;
+mod least_norm_shares;
 pub(super) mod limits;
 pub(crate) mod mode_constraints;
 mod mode_decision;

@@ -17,10 +17,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::cholesky::{Holding, ROUNDING};
-use super::limits::larger_finite;
+use super::least_norm_shares::least_norm_shares;
 use super::model::Model;
 use super::series::Series;
-use super::stick_band_edge::{Edge, deciding, side_of};
+use super::stick_band_edge::{Edge, deciding};
 use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 
@@ -159,7 +159,7 @@ impl Resting {
             let bounds: Vec<[f64; 2]> = group.contacts.iter().map(|&c| bounds(c)).collect();
             std::iter::zip(
                 group.contacts.iter().copied(),
-                group.shares(&forces, &bounds),
+                least_norm_shares(&group.rows, &forces, &bounds),
             )
         });
         shares.collect()
@@ -218,124 +218,6 @@ impl Group {
         } else {
             sum
         }
-    }
-
-    /// λ_c = B_c clamp(B_c s_c(u)), with the u that minimises Σ H(B_c s_c(u)) − F·u, H' = clamp:
-    /// Newton's method on a convex function whose second derivative is piecewise constant. B_c is
-    /// the bound on the side of s_c. A force without a bound costs nothing: by the method of
-    /// multipliers s_c is shifted until it is 0 where this force acts.
-    fn shares(&self, forces: &DVector<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
-        const MOST_ROUNDS: usize = 100;
-        /// Rounds of the method of multipliers, each of which leaves a part of some 1/STIFF².
-        const SHIFTS: usize = 4;
-        /// Factor by which a contact whose share has no bound carries more than the others.
-        const STIFF: f64 = 1e3;
-        let rank = self.rows.ncols();
-        let finite = bounds.iter().map(|&bounds| larger_finite(bounds));
-        let largest = finite.fold(forces.amax(), f64::max);
-        if largest == 0.0 || !largest.is_finite() {
-            return vec![0.0; bounds.len()];
-        }
-        let bounds: Vec<[f64; 2]> = bounds
-            .iter()
-            .map(|both| both.map(|b| b / largest))
-            .collect();
-        let goal = forces / largest;
-        // λ_c, and its slope by s_c.
-        let share = |row: usize, s: f64| {
-            let bound = bounds[row][side_of(s).place()];
-            if bound.is_infinite() {
-                return [STIFF * STIFF * s, STIFF * STIFF];
-            }
-            let scaled = bound * s;
-            let slope = if scaled.abs() <= 1.0 {
-                bound * bound
-            } else {
-                0.0
-            };
-            [bound * scaled.clamp(-1.0, 1.0), slope]
-        };
-        let each = |[u, shifts]: [&DVector<f64>; 2], which: usize| {
-            let mut all = &self.rows * u + shifts;
-            for (row, s) in all.iter_mut().enumerate() {
-                *s = share(row, *s)[which];
-            }
-            all
-        };
-        let left = |shares: &DVector<f64>| &goal - self.rows.transpose() * shares;
-        // The step of Newton's method.
-        let solve = |slopes: &DVector<f64>, rest: &DVector<f64>| {
-            let mut second = DMatrix::identity(rank, rank) * 1e-12;
-            for (row, slope) in std::iter::zip(self.rows.row_iter(), slopes) {
-                second += row.transpose() * row * *slope;
-            }
-            second.cholesky().map(|factor| factor.solve(rest))
-        };
-        let minimum = |mut u: DVector<f64>, shifts: &DVector<f64>| {
-            let residual = |u: &DVector<f64>| left(&each([u, shifts], 0));
-            let mut rest = residual(&u);
-            for _ in 0..MOST_ROUNDS {
-                if rest.amax() <= ROUNDING * goal.amax() {
-                    break;
-                }
-                let Some(direction) = solve(&each([&u, shifts], 1), &rest) else {
-                    break;
-                };
-                // The minimum along the direction, where the slope changes its sign.
-                let slope = |t: f64| residual(&(&u + &direction * t)).dot(&direction);
-                let [mut low, mut high] = [0.0, 1.0];
-                if slope(1.0) > 0.0 {
-                    low = 1.0;
-                } else {
-                    for _ in 0..60 {
-                        let middle = 0.5 * (low + high);
-                        if slope(middle) > 0.0 {
-                            low = middle;
-                        } else {
-                            high = middle;
-                        }
-                    }
-                }
-                let next = &u + &direction * if low == 1.0 { 1.0 } else { high };
-                let left = residual(&next);
-                if next == u {
-                    break;
-                }
-                (u, rest) = (next, left);
-            }
-            u
-        };
-        let mut shifts = DVector::zeros(bounds.len());
-        let mut u = minimum(DVector::zeros(rank), &shifts);
-        for _ in 0..SHIFTS {
-            let shares = each([&u, &shifts], 0);
-            let next = DVector::from_fn(shares.len(), |row, _| {
-                let has_bound = bounds[row][side_of(shares[row]).place()].is_finite();
-                if has_bound {
-                    0.0
-                } else {
-                    shares[row] / (STIFF * STIFF)
-                }
-            });
-            if next == shifts {
-                break;
-            }
-            shifts = next;
-            u = minimum(u, &shifts);
-        }
-        let mut shares = each([&u, &shifts], 0);
-        // Balance to rounding. A share without a bound magnifies the rounding errors of u: those
-        // that may change take them up, and the base what is left then.
-        let mut rest = left(&shares);
-        let slopes = each([&u, &shifts], 1);
-        if let Some(direction) = solve(&slopes, &rest) {
-            shares += slopes.component_mul(&(&self.rows * direction));
-            rest = left(&shares);
-        }
-        for (share, rest) in shares.iter_mut().zip(&rest) {
-            *share += rest;
-        }
-        (shares * largest).iter().copied().collect()
     }
 }
 
