@@ -224,8 +224,7 @@ impl Search<'_> {
     ) -> Vec<SweepPoint<S::State>> {
         let watched = self.watch("parameter");
         let mut points = Vec::new();
-        for (parameter, start) in starts {
-            let parameter = *parameter;
+        for &(parameter, ref start) in starts {
             watched.at(parameter);
             let found = family(parameter).and_then(|system| self.reached(&system, start, &watched));
             if watched.is_stopped() {

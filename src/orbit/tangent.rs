@@ -235,6 +235,14 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
     DVector::from_iterator(n + step.series().len(), velocities.chain(rates))
 }
 
+/// The rates of change of all numbers at a time since the start of a step, with these velocities.
+pub(super) fn flow_at(step: &Step, since: f64, velocities: Vec<f64>) -> DVector<f64> {
+    let rates = step.series().iter();
+    let rates = rates.map(|series| series.derivative().at(since));
+    let count = velocities.len() + step.series().len();
+    DVector::from_iterator(count, velocities.into_iter().chain(rates))
+}
+
 /// A time, and the state of the motion after a part of it.
 type Stretch<'a> = (f64, &'a dyn Fn(f64) -> Reached);
 

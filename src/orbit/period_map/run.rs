@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::flow_direction::{Along, Derivative};
 use super::super::prescribed_modes::Hold;
-use super::super::tangent::{TangentFlow, flow_of};
+use super::super::tangent::{TangentFlow, flow_at, flow_of};
 use super::super::time_integration::modes_after;
 use super::super::translation::translations;
 use super::super::type_erased_system::GeneralForm;
@@ -100,7 +100,8 @@ pub(in crate::orbit) fn held_period_map(
     let Some(last) = steps.last() else {
         return Err(Error::InvalidDuration { value: duration });
     };
-    let (end, last_flow) = (limited_end(form, last), flow_at_end(last, n));
+    let end = limited_end(form, last);
+    let last_flow = flow_at(last, last.duration(), last.end_state().velocities);
     let (head, cut_flow) = head;
     let tail = along.end(flow.tangents.clone());
     let mut monodromy = head.then(&tail).with_flow(&last_flow);
@@ -282,12 +283,4 @@ fn limited_end(form: &GeneralForm<'_>, step: &Step) -> State {
         end.memory[form.model.memory(c).start] = side.sign() * limit;
     }
     end
-}
-
-/// The rates of change of all numbers at the end of a step.
-fn flow_at_end(step: &Step, n: usize) -> DVector<f64> {
-    let velocities = step.end_state().velocities;
-    let rates = step.series().iter();
-    let rates = rates.map(|series| series.derivative().at(step.duration()));
-    DVector::from_iterator(n + step.series().len(), velocities.into_iter().chain(rates))
 }

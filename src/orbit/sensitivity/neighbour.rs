@@ -11,6 +11,7 @@ use std::sync::Arc;
 use nalgebra::DVector;
 
 use super::super::period_map::vector;
+use super::super::tangent::flow_at;
 use super::super::type_erased_system::GeneralForm;
 use crate::error::{Element, Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
@@ -162,7 +163,7 @@ impl Run {
             last += 1;
         }
         let mut steps = self.segments.get(first..=last)?.iter().flatten();
-        let end = self.segments[..=last].iter().flatten().next_back();
+        let end = steps.clone().next_back();
         let step = steps.find(|step| step.end_time() >= time).or(end)?;
         Some((step, step.clock().until(time)))
     }
@@ -180,12 +181,7 @@ impl Run {
     /// The rates of change of the state at a time after this number of events.
     pub(super) fn rates_at(&self, passed: usize, time: f64) -> Option<DVector<f64>> {
         let (step, since) = self.step(passed, time)?;
-        let rates = step
-            .series()
-            .iter()
-            .map(|series| series.derivative().at(since));
-        let rates = step.state_at(since).velocities.into_iter().chain(rates);
-        Some(DVector::from_iterator(self.order, rates))
+        Some(flow_at(step, since, step.state_at(since).velocities))
     }
 
     /// The end minus the start.
