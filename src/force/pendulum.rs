@@ -16,10 +16,10 @@ use crate::scalar::Scalar;
 /// | angle of a pendulum of mass m and length L | m L² | m g L | 1 rad |
 /// | arc length along the circle | m | m g | L |
 ///
-/// The pendulum may turn over; its angle then grows, so that such a motion never closes, and the
-/// searches for periodic motions do not find it. Its pivot is at rest: the mass matrix of a
-/// structure is constant. A < 0 is an inverted pendulum. The same force acts between the rotor and
-/// the field of a synchronous machine, and across a Josephson junction.
+/// The pendulum may turn over. Its angle then grows with each turn, so the searches for periodic
+/// motions do not find such a motion. Its pivot is at rest: the mass matrix of a structure is
+/// constant. A < 0 is an inverted pendulum. The same force acts between the rotor and the field of
+/// a synchronous machine, and across a Josephson junction.
 ///
 /// Source: NIST Digital Library of Mathematical Functions, <https://dlmf.nist.gov/22.19>, part (i).
 ///
