@@ -104,7 +104,7 @@ impl State {
     /// where the contact creeps: beside a plate that moves at 1e-9 m/s, a speed of 1e-12 m/s has 13
     /// digits left. The given number has all of them, and wins: at the start of a motion the
     /// velocities v are changed until b·v − w = r, by the change of least kinetic energy. Other
-    /// contacts that are at rest stay at rest, unless r does not allow it.
+    /// contacts that stick go on to stick, unless r does not allow it.
     ///
     /// ```
     /// use stick_slip::{Contact, RateState, Structure, structure::State};

@@ -259,7 +259,7 @@ pub(super) fn set_phase(model: &Model<'_>, situation: &mut Situation, c: usize, 
 }
 
 /// Gives contacts at the start of a motion these relative velocities, and changes the velocities of
-/// the coordinates accordingly. Others stay at rest where their directions allow it.
+/// the coordinates accordingly. Others go on to stick where their directions allow it.
 pub(super) fn slide(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -273,11 +273,15 @@ pub(super) fn slide(
         set_phase(model, situation, c, relative);
     }
     let place = |c: usize| given.binary_search_by_key(&c, |&(c, _)| c);
-    let rests = |&c: &usize| place(c).is_err() && situation.contacts[c].sticks();
-    let resting: Vec<usize> = model.shared.iter().copied().filter(rests).collect();
+    // Not one that passes r = 0 without limits.
+    let sticks = |&c: &usize| {
+        let state = &situation.contacts[c];
+        place(c).is_err() && state.sticks() && state.limits.is_some()
+    };
+    let sticking: Vec<usize> = model.shared.iter().copied().filter(sticks).collect();
     let shared = given.iter().map(|&(c, _)| c);
     let shared = shared.filter(|&c| model.is_shared(c));
-    let holding = model.independent(shared.chain(resting.iter().copied()).collect(), &|_| 0.0);
+    let holding = model.independent(shared.chain(sticking.iter().copied()).collect(), &|_| 0.0);
     let relative_to = |c: usize| {
         let relative = place(c).map_or(0.0, |place| given[place].1);
         relative + series.contacts[c].surface[0]
@@ -299,7 +303,7 @@ pub(super) fn slide(
         let allowed = "what the relative velocities of contacts with dependent directions allow";
         Error::check("State", "sliding", relative, is_met(c), allowed)?;
     }
-    let is_set = |&c: &usize| place(c).is_ok() || resting.contains(&c) && is_met(c);
+    let is_set = |&c: &usize| place(c).is_ok() || sticking.contains(&c) && is_met(c);
     let others: Vec<usize> = (0..model.contacts.len()).filter(|c| !is_set(c)).collect();
     for c in others {
         begin(model, situation, series, c)?;
